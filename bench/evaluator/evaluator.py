@@ -26,6 +26,7 @@ from bench.evaluator.workers import KEY, LABEL, NAME, STAND_IN, Candidate, Sourc
 from bench.execution.job import Task, sandbox_of
 from bench.execution.warming import warm_problem
 from bench.helpers.errors import BenchError, explained
+from bench.helpers.parsing import JsonObject
 from bench.helpers.text import listing
 from bench.plugins import objects
 from bench.plugins.loading import ProblemLike, is_plugin
@@ -109,7 +110,7 @@ class Evaluator(AbstractContextManager["Evaluator"]):
             raise BenchError(f"candidates run in a sandbox: {reason}; or say sandbox=False to go without") from error
         self._workers, self._n_jobs = Workers(task, n_jobs), n_jobs
         self._known = dict[tuple[Any, ...], pd.DataFrame]()  # trials of the baselines, by their problems and number
-        self._judged: list[dict[str, Any]] = []
+        self._judged: list[JsonObject] = []
         self._finals, self._lock = 0, Lock()
         self._end = finalize(self, self._workers.close)
 
@@ -169,7 +170,7 @@ class Evaluator(AbstractContextManager["Evaluator"]):
         solution.set_scores(found.score, found.feedback, RuntimeError(found.error) if found.error else None)
         return solution
 
-    def evaluate(self, path: str | PathLike[str]) -> dict[str, Any]:
+    def evaluate(self, path: str | PathLike[str]) -> JsonObject:
         """Judge the program of a file, as the ``evaluate`` of OpenEvolve does."""
         found = self(Path(path))
         return {"combined_score": found.score, "artifacts": {"feedback": found.feedback}}

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import base64
 import binascii
-from collections.abc import Mapping
 from dataclasses import dataclass
 from itertools import pairwise
 from math import inf, isfinite
@@ -14,6 +13,7 @@ import numpy as np
 
 from bench.contract.objective import IMPROVEMENT, LOGGED, Logs, Trace
 from bench.contract.typing import Flags, Floats
+from bench.helpers.parsing import JsonObject
 from bench.helpers.text import printable
 from bench.trial.columns import MEASURED, Column, Row
 from bench.trial.trial import finished
@@ -69,7 +69,7 @@ def error(answer: object) -> str:
     return printable(reason, 4000)
 
 
-def row(answer: Mapping[str, Any], box: Box, budget: int) -> Row:
+def row(answer: JsonObject, box: Box, budget: int) -> Row:
     """Return the row of the finished trial that an answer claims, where it can be one.
 
     Args:
@@ -105,14 +105,14 @@ def row(answer: Mapping[str, Any], box: Box, budget: int) -> Row:
     return finished(measured, box.variables, x, metrics, trace, _log(answer, nfev))
 
 
-def _value(answer: Mapping[str, Any], column: Column) -> Any:
+def _value(answer: JsonObject, column: Column) -> Any:
     value = answer.get(column.name)
     if type(value) is not column.kind or value != value:  # NaN
         raise RefusedError(f"its {column.name} is no {_NOUNS[column.kind]}")
     return value
 
 
-def _check(column: Column, values: Mapping[str, Any]) -> None:
+def _check(column: Column, values: Row) -> None:
     """Refuse a number that is not within the bounds of its column; times are finite."""
     value, (least, most, within) = values[column.name], column.limits
     most = values.get(within, most)
@@ -120,7 +120,7 @@ def _check(column: Column, values: Mapping[str, Any]) -> None:
         raise RefusedError(f"its {column.name} is {value!s:.30}, and must be from {least} to {most}")
 
 
-def _log(answer: Mapping[str, Any], nfev: int) -> Logs:
+def _log(answer: JsonObject, nfev: int) -> Logs:
     """Return the log of an optimizer; refuse one that :class:`bench.contract.objective.Log` would not keep."""
     log = answer.get("log")
     if not isinstance(log, dict) or len(log) > LOGGED // 10:
@@ -157,7 +157,7 @@ def _check_trace(trace: Trace, fun: float, nfev: int) -> None:
         raise RefusedError(f"its trace ends at {float(values[-1])!r}, its best value is {fun!r}")
 
 
-def _bytes(answer: Mapping[str, Any], name: str) -> bytes:
+def _bytes(answer: JsonObject, name: str) -> bytes:
     """Return the bytes of numbers of 8 bytes, or of a trace's improvements of 16, from their text in base 64."""
     text = answer.get(name)
     try:

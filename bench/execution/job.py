@@ -31,6 +31,7 @@ from bench.contract.objective import ON_TARGET, OUT_OF_TIME
 from bench.execution import answers, apart, trial_process
 from bench.execution.answers import Box, RefusedError
 from bench.helpers.errors import PROBLEM_FAILED
+from bench.helpers.parsing import JsonObject
 from bench.helpers.text import printable
 from bench.plugins import from_file, loading, objects, registry
 from bench.plugins.inputs import named
@@ -191,7 +192,7 @@ class Job:
             kept["inputs"] = json.dumps({part: json.loads(each["inputs"])[part] for part, each in read.items()})
         return kept
 
-    def _note(self, answer: dict[str, Any], trial: Trial) -> None:
+    def _note(self, answer: JsonObject, trial: Trial) -> None:
         """Put what a trial was made from in the place of its digest.
 
         Raises:

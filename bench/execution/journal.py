@@ -16,13 +16,13 @@ from collections.abc import Callable, Collection, Iterator
 from contextlib import suppress
 from math import inf
 from pathlib import Path
-from typing import Any
 
 import numpy as np
 
 from bench.contract.typing import Floats
 from bench.helpers.atomic import replacing
 from bench.helpers.console import duration
+from bench.helpers.parsing import JsonObject
 from bench.helpers.text import short_hash
 from bench.plugins.inputs import Inputs, Present
 from bench.storage.under_way import left
@@ -31,7 +31,7 @@ from bench.trial.trial import Trial
 FOLDER = "journal"
 DROPPED = "{} in the journal were of no use: other points were asked for"
 SLOW = 0.1  # seconds of an evaluation from which on it is worth a line and its way to the disk
-Record = dict[str, Any]
+Record = JsonObject
 """An evaluation: its value ``f``, its violations ``g``, its seconds ``s``, and the ``error`` of one that failed."""
 
 _FROM_OUTSIDE = re.compile(r"\bsignal (1|2|9|15)\b|SIG(HUP|INT|KILL|TERM)")  # the end of a run, not of an evaluation
@@ -52,8 +52,8 @@ class Journal:
     def __init__(
         self,
         folder: Path,
-        key: dict[str, Any],
-        about: dict[str, Any],
+        key: JsonObject,
+        about: JsonObject,
         inputs: Callable[[], Inputs] = dict,
         limit: float | None = None,
         always: bool = False,

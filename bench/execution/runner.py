@@ -10,7 +10,6 @@ from dataclasses import asdict, dataclass, field, replace
 from functools import partial
 from os import PathLike
 from pathlib import Path
-from typing import Any
 
 from joblib import cpu_count
 
@@ -23,6 +22,7 @@ from bench.execution.plan import Plan, Shard
 from bench.execution.supervisor import Loaded, check
 from bench.helpers.console import duration
 from bench.helpers.errors import BenchError, nearest
+from bench.helpers.parsing import JsonObject
 from bench.helpers.text import count
 from bench.plugins import loading
 from bench.plugins.inputs import large, shown
@@ -316,7 +316,7 @@ def _commit(
     plan: Plan,
     folder: Folder,
     answers: Iterator[Answer],
-    about: dict[str, Any],
+    about: JsonObject,
     interrupts: Interrupts,
     repetition: Repetition,
     *heard: Listener | None,

@@ -18,12 +18,14 @@ from bench.contract.numbers import require_seed
 from bench.contract.objective import OnEvaluation
 from bench.contract.optimizer import Optimizer, defaults, settings
 from bench.contract.problem import Problem
+from bench.contract.typing import Options
 from bench.execution.job import Task
 from bench.execution.journal import DROPPED, Journal
 from bench.execution.side_by_side import evaluated
 from bench.execution.supervisor import check, make_one
 from bench.execution.warming import warm_optimizer, warm_problem
 from bench.helpers.errors import BenchError
+from bench.helpers.parsing import JsonObject
 from bench.helpers.text import count
 from bench.plugins import loading
 from bench.plugins.loading import OptimizerLike, title
@@ -131,7 +133,7 @@ def solve(
     return replace(found, metrics=metrics)
 
 
-def _about(problem: Problem) -> dict[str, Any]:
+def _about(problem: Problem) -> JsonObject:
     """Return what decides the values of a problem of this session, as far as it can be known: its code and files."""
     words = problem.name.replace("'", "").removeprefix("command:").split()
     about = {word: hash_of(word) for word in words if Path(word).is_file()}
@@ -148,7 +150,7 @@ def warm(problem: Problem, optimizer: Optimizer, budget: int) -> None:
         warm_optimizer(optimizer, problem.lower, problem.upper, problem.integer, budget)
 
 
-def solve_untrusted(problem: dict[str, Any], optimizer: dict[str, Any], *, seed: int, **settings: Any) -> Row:
+def solve_untrusted(problem: Options, optimizer: Options, *, seed: int, **settings: Any) -> Row:
     """Run code that nobody trusts as one trial, and return its row; nothing is loaded in this process.
 
     Args:

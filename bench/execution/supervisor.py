@@ -14,6 +14,7 @@ from bench.execution import answers, trial_process
 from bench.execution.answers import RefusedError
 from bench.execution.job import LOADING, Job, Task, root
 from bench.helpers.errors import PROBLEM_FAILED, BenchError
+from bench.helpers.parsing import JsonObject
 from bench.helpers.text import printable
 from bench.plugins.inputs import Present
 from bench.plugins.packing import Objects
@@ -95,7 +96,7 @@ def _loaded_in_forks(first: ForkServer, task: Task) -> Loaded:
         Exception: for answers of another form, which plug-in code wrote in place of the harness.
     """
 
-    def sound(answer: Any) -> dict[str, Any]:
+    def sound(answer: Any) -> JsonObject:
         if "error" in answer:
             raise BenchError(printable(str(answer["error"]), 4000))
         return dict(answer)

@@ -12,7 +12,6 @@ from contextlib import AbstractContextManager, closing, nullcontext
 from functools import cache
 from math import inf
 from pathlib import Path
-from typing import Any
 
 from threadpoolctl import threadpool_limits
 
@@ -25,6 +24,7 @@ from bench.execution.journal import Journal
 from bench.execution.side_by_side import evaluated, require_possible
 from bench.execution.warming import warm_optimizer, warm_problem
 from bench.helpers.errors import PROBLEM_FAILED, BenchError, ProblemError
+from bench.helpers.parsing import JsonObject
 from bench.helpers.text import printable
 from bench.plugins import observing, packing
 from bench.plugins.from_file import located
@@ -59,7 +59,7 @@ def hold(held: Objects) -> None:
     packing.held.update(held)
 
 
-def check_problems() -> dict[str, Any]:
+def check_problems() -> JsonObject:
     """Load all problems; return their dimensions, the files of their modules and the machine.
 
     The machine's record is that of :func:`bench.storage.provenance.machine`. Where one cannot be loaded, return a
@@ -75,7 +75,7 @@ def check_problems() -> dict[str, Any]:
         return {"error": printable(str(error), 4000)}
 
 
-def check_optimizers(labels: list[str], dimensions: dict[str, int]) -> dict[str, Any]:
+def check_optimizers(labels: list[str], dimensions: dict[str, int]) -> JsonObject:
     """Load the optimizers of one module; return the files of modules and the machine, as for problems."""
     try:
         with reading("optimizer"):
@@ -85,7 +85,7 @@ def check_optimizers(labels: list[str], dimensions: dict[str, int]) -> dict[str,
         return {"error": printable(str(error), 4000)}
 
 
-def load_problem(label: str) -> dict[str, Any] | str:
+def load_problem(label: str) -> JsonObject | str:
     """Load a problem; return its variables, bounds and integer flags, or the error of loading it.
 
     One point of each kind of problem that compiles code is evaluated, so that no copy waits for a compiler or holds
@@ -98,7 +98,7 @@ def load_problem(label: str) -> dict[str, Any] | str:
     return described
 
 
-def _load_problem(label: str) -> dict[str, Any] | str:
+def _load_problem(label: str) -> JsonObject | str:
     try:
         problem = _problem(label)
         described = {
@@ -146,7 +146,7 @@ def warm_up(optimizer: str, box: Box) -> bool:
     return True
 
 
-def make(trial: Trial, box: Box | None = None, end: int = -1) -> dict[str, Any]:
+def make(trial: Trial, box: Box | None = None, end: int = -1) -> JsonObject:
     """Make one trial; return what :func:`bench.execution.answers.row` reads but the metrics, or why it failed.
 
     ``altered`` states whether the trial has left anything behind in this process.
@@ -158,7 +158,7 @@ def make(trial: Trial, box: Box | None = None, end: int = -1) -> dict[str, Any]:
     """
     global _found
     effects = SideEffects()
-    answer: dict[str, Any] = {}
+    answer: JsonObject = {}
     journal = None
     try:
         optimizer = _study.optimizer(trial.optimizer)
@@ -202,7 +202,7 @@ def _journal(trial: Trial) -> Journal | None:
     return Journal(Path(_output), key, about, read, _study.evaluation_timeout, _study.journal)
 
 
-def serve(trial: Trial, end: int) -> dict[str, Any]:
+def serve(trial: Trial, end: int) -> JsonObject:
     """Keep the problem, the budget and the trace of a trial until its optimizer has ended.
 
     Return what :func:`bench.execution.answers.row` reads, and the metrics of the best point; or the error of the
@@ -222,13 +222,13 @@ def serve(trial: Trial, end: int) -> dict[str, Any]:
     return as_answer(kept) | _confirmed(kept, problem) | _inputs()
 
 
-def confirm(label: str) -> dict[str, Any]:
+def confirm(label: str) -> JsonObject:
     """Evaluate the best point of the trial that this process has made once more; return its metrics, or an error."""
     with reading("problem", label):
         return _confirmed(_found, _problem(label)) | _inputs()
 
 
-def _confirmed(found: Result, problem: Problem) -> dict[str, Any]:
+def _confirmed(found: Result, problem: Problem) -> JsonObject:
     try:
         with closing(problem.unscored):
             reason = doubt(found, problem)
@@ -242,7 +242,7 @@ def _confirmed(found: Result, problem: Problem) -> dict[str, Any]:
         return {"error": _failure(error)}
 
 
-def as_answer(result: Result) -> dict[str, Any]:
+def as_answer(result: Result) -> JsonObject:
     """Return a result as JSON values, without its metrics: the columns of its row, bytes in base 64."""
     packed = {"x": result.x.astype("<f8").tobytes(), "trace": result.trace.packed()}
     texts = {name: base64.b64encode(content).decode() for name, content in packed.items()}
@@ -253,7 +253,7 @@ def _failure(error: BaseException) -> str:
     return printable(f"{located(error)}\n{''.join(traceback.format_exception(error, limit=-3))}", 4000)
 
 
-def _inputs() -> dict[str, Any]:
+def _inputs() -> JsonObject:
     """Return the digest of what this process has read, and all of that where it is new."""
     global _sent
     new, _sent = _sent != observing.digest(), observing.digest()

@@ -11,7 +11,7 @@ from fnmatch import fnmatchcase
 from functools import cache, cached_property
 from os import PathLike
 from pathlib import Path
-from typing import Any, NamedTuple, Self, TypeVar
+from typing import NamedTuple, Self, TypeVar
 
 import pandas as pd
 
@@ -20,6 +20,7 @@ from bench.contract.numbers import is_whole
 from bench.contract.objective import integer_flags
 from bench.contract.problem import Problem
 from bench.helpers.errors import BenchError
+from bench.helpers.parsing import JsonObject
 from bench.plugins import selection
 from bench.plugins.inputs import is_data, shown
 from bench.plugins.loading import brings_code
@@ -243,7 +244,7 @@ class StoredResults:
         return self._sources[0].folder.store.state() if len(self._sources) == 1 else ""
 
     @property
-    def histories(self) -> list[list[dict[str, Any]]]:
+    def histories(self) -> list[list[JsonObject]]:
         """What the runs of each folder selected, oldest first (:meth:`bench.storage.folder.Folder.history`)."""
         return [source.folder.history() for source in self._sources]
 
@@ -335,7 +336,7 @@ class StoredResults:
         An optimum, which may take seconds, is not computed. A problem from a file is not loaded, as nobody expects that
         reading a frame executes the file.
         """
-        kinds: list[dict[str, Any]] = [{"dimension": dimension_in(entry.label)} for entry in self.study.problems]
+        kinds: list[JsonObject] = [{"dimension": dimension_in(entry.label)} for entry in self.study.problems]
         for kind, entry in zip(kinds, self.study.problems, strict=True):
             with suppress(Exception):  # a plug-in may raise anything, and may be missing here
                 if not brings_code(entry.name):

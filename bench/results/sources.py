@@ -7,10 +7,10 @@ from collections import Counter
 from collections.abc import Mapping, Sequence
 from fnmatch import fnmatchcase
 from pathlib import Path
-from typing import Any
 
 from bench.contract.families import dimension_in
 from bench.helpers.errors import BenchError, nearest
+from bench.helpers.parsing import JsonObject
 from bench.helpers.text import unique
 from bench.results.tidy import Tidy
 from bench.storage.cells import Cells
@@ -44,10 +44,10 @@ class StudyFolder:
     shown: dict[str, str]
     cells: dict[int, Labels]
     versions: dict[str, tuple[int, int]]
-    environments: dict[int, dict[str, Any]]
+    environments: dict[int, JsonObject]
     before: int
 
-    def by_label(self, noted: Mapping[str, Any]) -> dict[str, Any]:
+    def by_label(self, noted: JsonObject) -> JsonObject:
         """Return a note of the folder on its optimizers, by the label shown."""
         return {self.shown[label]: each for label, each in noted.items() if label in self.shown}
 

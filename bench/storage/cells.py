@@ -8,9 +8,8 @@ from collections.abc import Mapping, Sequence
 from contextlib import suppress
 from dataclasses import dataclass, field
 from functools import cache
-from typing import Any
 
-from bench.helpers.parsing import parse_json
+from bench.helpers.parsing import JsonObject, parse_json
 from bench.plugins.inputs import Inputs, conflicts
 from bench.plugins.observing import PARTS
 from bench.storage.rows import decoded, digest
@@ -136,7 +135,7 @@ def _selected(connection: sqlite3.Connection) -> tuple[dict[int, Labels], str]:
     return labelled, decoded(identity)
 
 
-def split(record: Mapping[str, Any]) -> list[Inputs]:
+def split(record: JsonObject) -> list[Inputs]:
     """Return the inputs of problem and optimizer from a store's record; of a damaged one nothing is known."""
     parts = [record.get(part) for part in PARTS]
     return [
@@ -150,9 +149,9 @@ def record_digest(number: int, record: bytes) -> bytes:
     return digest(b"", (number, record))
 
 
-def records_of(connection: sqlite3.Connection, table: str) -> dict[int, dict[str, Any]]:
+def records_of(connection: sqlite3.Connection, table: str) -> dict[int, JsonObject]:
     """Return the records of environments, inputs or history by number, oldest first; a damaged one is empty."""
-    found: dict[int, dict[str, Any]] = {}
+    found: dict[int, JsonObject] = {}
     for number, text, noted in connection.execute(f"SELECT id, CAST(record AS BLOB), digest FROM {table} ORDER BY id"):
         found[number] = {}
         with suppress(ValueError, TypeError):

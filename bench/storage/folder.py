@@ -16,7 +16,7 @@ from filelock import FileLock, Timeout
 
 from bench.helpers.atomic import replacing
 from bench.helpers.errors import BenchError, explained, reason
-from bench.helpers.parsing import parse_json
+from bench.helpers.parsing import JsonObject, parse_json
 from bench.helpers.text import count, listed
 from bench.plugins.inputs import Inputs, Present
 from bench.storage import committed, provenance, under_way
@@ -78,7 +78,7 @@ class Folder:
     def _begun(self) -> bool:
         return os.path.exists(self.path / STUDY)  # noqa: PTH110 - Path.exists raises without permission
 
-    def environments(self) -> list[dict[str, Any]]:
+    def environments(self) -> list[JsonObject]:
         """Return the environments that made the store's rows, in the order of their numbers from 1 on."""
         return list(self.store.records("environments").values())
 
@@ -86,7 +86,7 @@ class Folder:
         """Write a copy of the store's environments to environment.json, for people."""
         self._write(ENVIRONMENT, json.dumps(self.environments(), indent=1))
 
-    def differences(self, machine: Mapping[str, Any]) -> list[str]:
+    def differences(self, machine: JsonObject) -> list[str]:
         """Return in short phrases how this machine and its versions differ from those of the last run here."""
         noted = self.environments()
         return provenance.differences(noted[-1], machine) if noted else []
@@ -180,7 +180,7 @@ class Folder:
         found = {label: present.changed(inputs) for label, inputs in sorted(self.made().items())}
         return {label: names for label, names in found.items() if names}
 
-    def history(self) -> list[dict[str, Any]]:
+    def history(self) -> list[JsonObject]:
         """Return what runs selected here, and in the folders that trials were taken from, oldest first.
 
         Looks of a gate are no runs (:meth:`looks`).
@@ -191,16 +191,16 @@ class Folder:
         runs = [record for record in self.store.records("history").values() if "look" not in record]
         return sorted(runs, key=lambda record: str(record.get("when", "")))
 
-    def looks(self) -> list[dict[str, Any]]:
+    def looks(self) -> list[JsonObject]:
         """Return what was noted of comparisons of trials that are here, or in folders that they were taken from."""
         return [record["look"] for record in self.store.records("history").values() if "look" in record]
 
-    def note_look(self, look: dict[str, Any]) -> None:
+    def note_look(self, look: JsonObject) -> None:
         """Add a comparison and its outcome to the history; raises BenchError where a run holds the folder."""
         with self.lock(), self.store.writer() as writer:
             writer.record("history", {"look": look})
 
-    def noted(self, name: str) -> dict[str, Any]:
+    def noted(self, name: str) -> JsonObject:
         """Return the content of a note, by the name of its JSON file such as ``CHECKS``; empty where it is missing.
 
         Raises:
@@ -215,7 +215,7 @@ class Folder:
             raise BenchError(f"{path} is damaged; restore it from a copy, or remove it")
         return noted
 
-    def note(self, name: str, content: Mapping[str, Any]) -> None:
+    def note(self, name: str, content: JsonObject) -> None:
         """Replace a note (:meth:`noted`)."""
         self._write(name, json.dumps(content, indent=1))
 
@@ -228,7 +228,7 @@ class Folder:
             before = noted.get(AT_ENDS)
             self.note(VERIFICATION, noted | {AT_ENDS: [*(before if isinstance(before, list) else []), *found]})
 
-    def verification(self) -> dict[str, Any]:
+    def verification(self) -> JsonObject:
         """Return what ``bench verify`` noted, and of the trials that runs made again those of the selected cells.
 
         Trials of earlier versions say nothing of those that are shown.
@@ -247,7 +247,7 @@ class Folder:
             noted[AT_ENDS] = {"trials": len(lines), "sentence": sentence, "different": different}
         return noted
 
-    def checks(self) -> dict[str, list[dict[str, Any]]]:
+    def checks(self) -> dict[str, list[JsonObject]]:
         """Return the verdicts that ``bench check`` noted, by optimizer label; empty where it has not run.
 
         Each has the keys of :class:`bench.check.verdict.Verdict`, and ``code``, a hash of the code and the parameters
@@ -299,12 +299,12 @@ class Folder:
         finally:
             hold.release()
 
-    def killed(self) -> dict[str, Any]:
+    def killed(self) -> JsonObject:
         """Return when the last run began a trial and the trials then under way, where it was killed; else empty."""
         last = under_way.left(self.path)
         return last if last["trials"] else {}
 
-    def running(self) -> dict[str, Any] | None:
+    def running(self) -> JsonObject | None:
         """Return pid, host and start of the run that is writing here, None where this machine detects none."""
         noted = under_way.holder(self.path)
         try:
@@ -318,7 +318,7 @@ class Folder:
             pass
         return noted
 
-    def _taken(self, holder: dict[str, Any] | None) -> BenchError:
+    def _taken(self, holder: JsonObject | None) -> BenchError:
         who = f"(process {holder['pid']} on {holder['host']}, since {holder['started']}) " if holder else ""
         return BenchError(f"another run {who}is writing to {self.path}; wait for its end or give another --output")
 

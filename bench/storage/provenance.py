@@ -13,17 +13,16 @@ import shlex
 import socket
 import subprocess
 import sys
-from collections.abc import Mapping
 from contextlib import suppress
 from datetime import UTC, datetime
 from functools import cache
 from importlib.metadata import PackageNotFoundError, distribution
 from pathlib import Path
-from typing import Any
 
 import psutil
 from threadpoolctl import threadpool_info
 
+from bench.helpers.parsing import JsonObject
 from bench.helpers.text import printable
 from bench.plugins import registry
 from bench.study import Study
@@ -38,7 +37,7 @@ CONTAINER_LIMITS = (Path("/sys/fs/cgroup/memory.max"), Path("/sys/fs/cgroup/memo
 """Files with a container's memory limit on Linux: of control groups version 2 and version 1."""
 
 
-def machine() -> dict[str, Any]:
+def machine() -> JsonObject:
     """Return the record of this process and its machine."""
     affinity = getattr(os, "sched_getaffinity", None)
     return {
@@ -55,7 +54,7 @@ def machine() -> dict[str, Any]:
     }
 
 
-def united(record: Mapping[str, Any], other: Mapping[str, Any]) -> dict[str, Any]:
+def united(record: JsonObject, other: JsonObject) -> JsonObject:
     """Return a machine's record with the BLAS that only another process's record has."""
     blas = [*record["blas"], *(library for library in other.get("blas") or () if library not in record["blas"])]
     return dict(record) | {"blas": sorted(blas, key=str)}
@@ -69,7 +68,7 @@ def run(
     timeout: float | None = None,
     shard: str | None = None,
     untrusted: bool = False,
-) -> dict[str, Any]:
+) -> JsonObject:
     """Return the record of a run that starts now; its ``timeout`` is in seconds, its ``shard`` as in "3/20"."""
     return {
         "started": now(),
@@ -94,7 +93,7 @@ def command() -> str:
     return printable(shlex.join([*words, *sys.argv[1:]]), LONGEST)
 
 
-def differences(before: Mapping[str, Any], now: Mapping[str, Any]) -> list[str]:
+def differences(before: JsonObject, now: JsonObject) -> list[str]:
     """Return in short phrases the differences of two records that may change results or times: ``"numpy 2.4 → 2.5"``.
 
     Not compared: keys that one record lacks, the kernel's build, and the name, cores and memory of the machine; what
@@ -146,7 +145,7 @@ def now() -> str:
 # differences
 
 
-def _versions(record: Mapping[str, Any]) -> dict[str, str]:
+def _versions(record: JsonObject) -> dict[str, str]:
     """Return all versions that are compared as texts, by name."""
     system = str(record.get("system") or "")
     if system.startswith("Linux"):  # the C library computes sines and logarithms; the kernel does not
@@ -173,7 +172,7 @@ def package_versions() -> dict[str, str]:
 
 
 @cache
-def own_state(file: Path = Path(__file__)) -> dict[str, Any] | None:
+def own_state(file: Path = Path(__file__)) -> JsonObject | None:
     """Return the commit of the checkout that a file is in, and whether files of the checkout were changed since.
 
     None of an installed package, outside a checkout, and where git cannot report it.
@@ -202,7 +201,7 @@ def _processor() -> str:
     return platform.processor() or platform.machine()
 
 
-def blas() -> list[dict[str, Any]]:
+def blas() -> list[JsonObject]:
     """Return library, version and threads of every BLAS that this process has loaded."""
     keys = {"library": "internal_api", "version": "version", "threads": "num_threads"}
     loaded = [library for library in threadpool_info() if library["user_api"] == "blas"]

@@ -11,10 +11,12 @@ from itertools import chain, islice
 from typing import Any
 
 from bench.contract.objective import Trace
+from bench.helpers.parsing import JsonObject
 from bench.helpers.text import listed, printable
 from bench.storage.cells import Cells, read, records_of
 from bench.storage.committed import Committed
 from bench.storage.rows import NAMES, TEXTS, VALUES, binding, decoded, digest
+from bench.trial.columns import Row
 
 NAMED = 3  # damaged trials that a sentence names
 FETCHED = 500  # rows held as Python objects at a time: more would not fit in the processor's cache
@@ -192,7 +194,7 @@ class Reader:
             check.records += [f"{what} {number}" for number in sorted(numbers) if not records.get(number)]
         self.check_count(check)
 
-    def sound(self) -> Iterator[tuple[int, dict[str, Any]]]:
+    def sound(self) -> Iterator[tuple[int, Row]]:
         """Yield the number of its cell and the columns but the labels of every row that fits its digest.
 
         Raises:
@@ -202,7 +204,7 @@ class Reader:
             row = dict(zip(READ[3:], values, strict=True)) | dict(zip(NAMES, self.names.get(names, ()), strict=False))
             yield cell, row | {name: decoded(row[name]) for name in (*NAMES, *TEXTS) if row.get(name) is not None}
 
-    def records(self, table: str) -> dict[int, dict[str, Any]]:
+    def records(self, table: str) -> dict[int, JsonObject]:
         """Return the records of environments, inputs or history by number, oldest first; a damaged one is empty."""
         return records_of(self._connection, table)
 

@@ -8,12 +8,12 @@ that fit, and only making the trial again shows such a row.
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Iterable, Sequence
 from hashlib import blake2b
 from marshal import dumps
 from typing import Any
 
-from bench.trial.columns import KEY, STORED, VECTORS
+from bench.trial.columns import KEY, STORED, VECTORS, Row
 
 NAMES = tuple(column.names for column in VECTORS)
 VALUES = tuple(column.name for column in STORED)
@@ -29,13 +29,13 @@ def decoded(stored: Any) -> str:
     return stored.decode(errors="replace") if isinstance(stored, bytes) else str(stored)
 
 
-def disagreement(one: Mapping[str, Any], other: Mapping[str, Any]) -> str:
+def disagreement(one: Row, other: Row) -> str:
     """Return the first column that repeats and in which two rows of one trial, traces included, differ; "" for none."""
     names = (*NAMES, *(column.name for column in STORED if column.repeats))
     return next((name for name in names if one.get(name) != other.get(name)), "")
 
 
-def typed(row: Mapping[str, Any]) -> list[Any]:
+def typed(row: Row) -> list[Any]:
     """Return the ``VALUES`` of a row as SQLite will return them, where NaN is NULL.
 
     Raises:

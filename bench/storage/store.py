@@ -14,6 +14,7 @@ from typing import Any
 
 from bench.contract.objective import IMPROVEMENT, Logs
 from bench.helpers.errors import BenchError
+from bench.helpers.parsing import JsonObject
 from bench.helpers.text import printable, short_hash
 from bench.storage import committed
 from bench.storage.cells import Cells, read
@@ -23,6 +24,7 @@ from bench.storage.rows import COLUMNS, decoded
 from bench.storage.schema import SELECTED, VERSION, layout, prepare, strange
 from bench.storage.writing import Writer
 from bench.study.cell import Labels
+from bench.trial.columns import Row
 
 FILE = "trials.sqlite"
 LONGEST = 200  # characters of SQLite's words on an error
@@ -93,7 +95,7 @@ class Store:
         with self._read() as connection:
             yield Reader(connection, noted)
 
-    def records(self, table: str) -> dict[int, dict[str, Any]]:
+    def records(self, table: str) -> dict[int, JsonObject]:
         """Return the records of environments, inputs or history by number, oldest first; a damaged one is empty."""
         with self.reader() as reader:
             return reader.records(table)
@@ -115,14 +117,12 @@ class Store:
         for *key, log in self._of_cells("trial, log", shown, "log IS NOT NULL"):
             yield *key, json.loads(log)
 
-    def rows(
-        self, where: str = "1", values: Sequence[object] = (), columns: Sequence[str] = COLUMNS
-    ) -> Iterator[dict[str, Any]]:
+    def rows(self, where: str = "1", values: Sequence[object] = (), columns: Sequence[str] = COLUMNS) -> Iterator[Row]:
         """Yield the columns of every selected row that meets an SQL condition, cell by cell, damaged or not."""
         query = f"SELECT {', '.join(columns)} FROM {SELECTED} WHERE {where} ORDER BY results.cell, trial"
         return (dict(zip(columns, row, strict=True)) for row in self._select(query, values))
 
-    def find(self, problem: str, optimizer: str, trial: int) -> dict[str, Any] | None:
+    def find(self, problem: str, optimizer: str, trial: int) -> Row | None:
         """Return the row of one trial, as :meth:`rows` yields it, or None."""
         one = "selected.problem = ? AND selected.optimizer = ? AND trial = ?"
         return next(self.rows(one, (problem, optimizer, trial)), None)

@@ -4,14 +4,13 @@ from __future__ import annotations
 
 import json
 import os
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterator
 from contextlib import contextmanager, suppress
 from datetime import UTC, datetime
 from pathlib import Path
-from typing import Any
 
 from bench.helpers.errors import explained
-from bench.helpers.parsing import parse_json
+from bench.helpers.parsing import JsonObject, parse_json
 from bench.storage.committed import overwrite
 from bench.trial.trial import Trial
 
@@ -34,7 +33,7 @@ class UnderWay:
 
 
 @contextmanager
-def noting(folder: Path, holder: Mapping[str, Any]) -> Iterator[UnderWay]:
+def noting(folder: Path, holder: JsonObject) -> Iterator[UnderWay]:
     """Yield the file of a run by the process ``holder``; its content stays where the run is killed, and only there."""
     path = folder / FILE
     with explained(f"{path} cannot be written"):
@@ -51,7 +50,7 @@ def noting(folder: Path, holder: Mapping[str, Any]) -> Iterator[UnderWay]:
             path.unlink(missing_ok=True)
 
 
-def holder(folder: Path) -> dict[str, Any]:
+def holder(folder: Path) -> JsonObject:
     """Return the process that has begun to write here, as :func:`noting` was given it; empty where none is known."""
     with suppress(OSError, IndexError, ValueError):
         noted = parse_json(_lines(folder)[0])
@@ -59,7 +58,7 @@ def holder(folder: Path) -> dict[str, Any]:
     return {}
 
 
-def left(folder: Path) -> dict[str, Any]:
+def left(folder: Path) -> JsonObject:
     """Return when the last run was ``ended`` (UTC, as far as known) and its ``trials`` under way, none without a note.
 
     The trials are lists of problem, optimizer and number.

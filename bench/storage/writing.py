@@ -10,6 +10,7 @@ from pathlib import Path
 from typing import Any
 
 from bench.helpers.errors import BenchError
+from bench.helpers.parsing import JsonObject
 from bench.plugins.inputs import Inputs
 from bench.storage import committed
 from bench.storage.cells import Cells, read, record_digest, selection_digest, split
@@ -87,7 +88,7 @@ class Writer:
             )
         self._note()
 
-    def put(self, row: Mapping[str, Any], cell: int | None = None) -> None:
+    def put(self, row: Row, cell: int | None = None) -> None:
         """Add a row as :meth:`bench.storage.store.Store.rows` yields it, within :meth:`transaction`.
 
         Args:
@@ -111,7 +112,7 @@ class Writer:
         self._connection.execute(_INSERT, (cell, row["trial"], noted, names, *values))
         self._more += 1 - replaced.rowcount
 
-    def find(self, cell: int, trial: int) -> dict[str, Any] | None:
+    def find(self, cell: int, trial: int) -> Row | None:
         """Return the columns of one trial but its labels, or None."""
         columns = (*NAMES, *VALUES)
         query = f"SELECT {', '.join(columns)} FROM results LEFT JOIN names ON names.id = names"
@@ -139,7 +140,7 @@ class Writer:
             self._connection.execute("INSERT INTO study VALUES (?, ?)", values)
         self._read()
 
-    def record(self, table: str, record: Mapping[str, Any]) -> int:
+    def record(self, table: str, record: JsonObject) -> int:
         """Commit a record of environments, inputs or history, and return its number; equal records have one number."""
         text = json.dumps(record)
         if (number := self._known(table, record=text)) is None:
@@ -148,7 +149,7 @@ class Writer:
                 self._set_record(table, number, text)
         return number
 
-    def change(self, number: int, record: Mapping[str, Any]) -> None:
+    def change(self, number: int, record: JsonObject) -> None:
         """Commit a changed record of an environment."""
         with self.transaction():
             self._set_record("environments", number, json.dumps(record))
