@@ -233,11 +233,9 @@ class Folder:
 
         Trials of earlier versions say nothing of those that are shown.
         """
-        noted = self.noted(VERIFICATION)
-        part = noted.pop(AT_ENDS, None)
-        pairs = [pair for pair in part if isinstance(pair, list) and len(pair) == 2] if isinstance(part, list) else []
-        selected = self.store.held().selected
-        lines = [str(line) for number, line in pairs if isinstance(number, int) and number in selected]
+        noted, selected, lines = self.noted(VERIFICATION), self.store.held().selected, list[str]()
+        with suppress(TypeError, ValueError):  # of a note that was edited
+            lines = [str(line) for number, line in noted.pop(AT_ENDS, ()) if number in selected]
         different = [*dict.fromkeys(filter(None, lines))]
         if lines:
             sentence = (
