@@ -61,7 +61,7 @@ class WorkerDiedError(RuntimeError):
 
 
 def check(task: Task) -> Loaded:
-    """Load all plug-ins of a study (:meth:`bench.study.Study.check_optimizers`), the optimizers of each package in their own copy.
+    """Load all plug-ins of a study, the optimizers of each package in their own copy.
 
     So no module's code can change what is found of another one.
 
