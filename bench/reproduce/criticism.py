@@ -2,9 +2,9 @@
 
 Every check holds for any sample of n values, whatever its distribution, and allows for a unit of the last digit of all
 printed numbers: what it finds, no n runs can have given. A cell without what a check needs passes it. Sources: GRIM
-(Brown and Heathers 2017, Soc. Psychol. Personal. Sci. 8) and GRIMMER (Anaya 2016) for counts; the largest SD of values
-within limits is that of Bhatia and Davis (2000, Am. Math. Mon. 107), and a mean is within one SD of the median
-(Hotelling and Solomons 1932, Ann. Math. Stat. 3).
+(Brown and Heathers 2017, Soc. Psychol. Personal. Sci. 8) for means of counts; the largest SD of values within limits is
+that of Bhatia and Davis (2000, Am. Math. Mon. 107), and a mean is within one SD of the median (Hotelling and Solomons
+1932, Ann. Math. Stat. 3).
 """
 
 from __future__ import annotations
@@ -152,7 +152,7 @@ def _wholes(number: Printed, parts: int) -> range:
 
 
 def _digits(cell: PaperCell, facts: CellFacts) -> Iterator[str]:
-    """Test whether n counts can have the mean (GRIM) and the SD (GRIMMER), and n runs the rate of success."""
+    """Test whether n counts can have the mean (GRIM), and n runs the rate of success."""
     numbers, n = cell.numbers, cell.runs
     if n is None:
         return
@@ -165,20 +165,8 @@ def _digits(cell: PaperCell, facts: CellFacts) -> Iterator[str]:
     if not facts.counts or "mean" not in numbers:
         return
     mean = numbers["mean"]
-    sums = _wholes(mean, n)
-    if not sums:
+    if not _wholes(mean, n):
         yield f"its mean {mean.text} is none of {n} whole numbers"
-    elif "sd" in numbers and n > 1 and len(sums) <= 1000:
-        sd = numbers["sd"]
-        low, high = max(sd.low, 0.0) ** 2, max(sd.high, 0.0) ** 2
-        # The sum of squares is (n - 1) SD^2 + sum^2 / n, or n SD^2 + sum^2 / n, whole, and even where the sum is.
-        squares = (
-            (total, range(math.ceil(f * low + total**2 / n), math.floor(f * high + total**2 / n) + 1))
-            for total in sums
-            for f in (n - 1, n)
-        )
-        if not any((square - total) % 2 == 0 for total, some in squares for square in some[:2]):
-            yield f"its SD {sd.text} with the mean {mean.text} is none of {n} whole numbers"
 
 
 CHECKS: dict[str, Callable[[PaperCell, CellFacts], Iterator[str]]] = {
