@@ -7,7 +7,7 @@ from __future__ import annotations
 
 import atexit
 import dataclasses
-from collections.abc import Callable, Iterable, Iterator, Mapping
+from collections.abc import Iterable, Iterator, Mapping
 from typing import ClassVar
 
 import pytest
@@ -23,7 +23,7 @@ from bench.helpers.errors import BenchError, nearest
 __all__ = ["RuleCheck", "parametrize_with_checks", "parametrize_with_problem_checks"]
 
 Source = str | type[Optimizer] | Optimizer | type[Problem] | Problem
-ExpectedFailures = Mapping[str, str] | Callable[[Source], Mapping[str, str]]
+ExpectedFailures = Mapping[str, str]
 
 
 def parametrize_with_checks(
@@ -47,9 +47,8 @@ def parametrize_with_checks(
     Args:
         optimizers: names, classes or instances, as for :func:`bench.check_optimizer`.
         expected_failures: the reason for every rule that is known to be broken, by the rule's name, such as
-            ``{"silence": "the library prints a banner"}``; or a function that takes an optimizer, as given in
-            ``optimizers``, and returns such a mapping. A failure is then expected (xfail, strict): a check of that rule
-            that passes is reported as a failure.
+            ``{"silence": "the library prints a banner"}``. A failure is then expected (xfail, strict): a check of that
+            rule that passes is reported as a failure.
 
     Raises:
         BenchError: when ``optimizers`` is a single optimizer, is empty or contains anything else, and for an unknown
@@ -139,7 +138,7 @@ class RuleCheck:
 
 def _cases(source: Source, subject: type[AnySubject], expected_failures: ExpectedFailures | None) -> Iterator[object]:
     """Yield one case for every rule, with its id and, where it is expected to fail, its mark."""
-    expected = expected_failures(source) if callable(expected_failures) else expected_failures or {}
+    expected = expected_failures or {}
     checker = Checker(subject(source) if isinstance(source, str) else subject.of(source, {}, 0))
     atexit.register(checker.close)
     names = [rule.name for rule in TABLES[subject.kind]]

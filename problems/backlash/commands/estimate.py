@@ -2,10 +2,9 @@
 
 import json
 from dataclasses import replace
-from enum import StrEnum
 from functools import partial
 from pathlib import Path
-from typing import Annotated
+from typing import Annotated, Literal
 
 import typer
 
@@ -15,14 +14,6 @@ from problems.backlash import EARLY_RAD
 from problems.backlash.commands import about_backlash
 
 ALARM = 3  # the exit code for a verdict that --fail-on names; 1 is for recordings that failed, 2 for bad input
-
-
-class FailOn(StrEnum):
-    """The verdicts that a scheduled job may fail on."""
-
-    early = "early"
-    progressed = "progressed"
-
 
 # The heavy imports wait until they are needed: no other command should wait for numba.
 
@@ -76,7 +67,7 @@ def estimate(
         _verdict(metavar="RAD", help="The half-gap above which backlash has progressed."),
     ] = EARLY_RAD,
     fail_on: Annotated[
-        FailOn | None,
+        Literal["early", "progressed"] | None,
         _verdict(help="Exit with 3 where a joint's latest verdict is that bad; early includes the undecided."),
     ] = None,
     resamples: Annotated[int, _verdict(min=0, help="Bootstrap resamples; 0 for no interval.")] = 200,
