@@ -1,9 +1,8 @@
 """Change the code in small ways, one at a time, and print which changes the fast tests find.
 
 ``python tools/mutations.py`` changes a copy of this tree in 60 places of analysis, storage, execution, scoring, study
-and the swarms, and runs the tests of the folder that mirrors the module: first the files that are named after it or
-after its folder, then the other ones. ``--of COMMIT`` takes the places from another commit, so that two suites are held
-to the same changes, but for lines that are gone. ``--only`` takes those of paths that begin so.
+and the swarms, and runs the tests of the folder that mirrors the module: first the files named after it or its folder.
+``--of COMMIT`` takes the places from another commit, ``--only`` those of paths that begin so.
 """
 
 import argparse

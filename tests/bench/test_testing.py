@@ -120,11 +120,6 @@ def test_a_failure_can_be_expected_and_must_then_occur(author):
     [
         ("gwo", None, "give a list of optimizers, such as ['gwo']"),
         ([], None, "give at least one optimizer to check"),
-        (
-            [3],
-            None,
-            "give the name of a plug-in of bench.optimizers, a subclass of Optimizer or an instance of one, not 3",
-        ),
         (["gwo"], {"no-state": "known"}, "unknown rule 'no-state'; did you mean 'no state'?"),
         (["gwo"], {"silence": ""}, "expected_failures must give the reason for 'silence' as a text, not ''"),
     ],

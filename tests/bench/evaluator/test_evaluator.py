@@ -125,11 +125,6 @@ def test_a_failed_candidate_scores_0_with_the_line_at_fault_and_costs_no_other(j
     assert sound.error == ""
 
 
-def test_no_trial_is_begun_of_a_candidate_that_is_no_python(judge):
-    assert judge("x = '\\d'\nfor for\n").error == "line 2: SyntaxError: invalid syntax (<candidate>, line 2) (for for)"
-    assert "left out" in judge("for for\n").frame["error"][0]
-
-
 def test_a_broad_except_gains_nothing_at_the_end_of_the_budget(judge):
     source = """
 def f(objective, rng):

@@ -221,13 +221,6 @@ def test_targets_that_no_problem_has_are_refused_before_the_first_trial(tmp_path
     assert not (tmp_path / "s").exists()
 
 
-def test_targets_that_a_problem_has_are_accepted(tmp_path):
-    study = Study(
-        "s", (Entry("signature-03", "p"),), (Entry("scatter", "o"),), trials=1, budget=60, targets="tolerance"
-    )
-    assert len([*plan(study, tmp_path / "s").missing()]) == 1
-
-
 @pytest.mark.parametrize(("other", "said"), [("missing", "to be reused does not exist"), ("out", "leave it out")])
 def test_what_cannot_be_reused_is_refused_before_anything_is_written(other, said, small_study, tmp_path):
     with pytest.raises(BenchError, match=said):

@@ -12,7 +12,7 @@ from bench import BenchError, FunctionProblem, Study, run, solve
 from bench.execution import side_by_side
 from bench.execution.side_by_side import evaluated
 from bench.execution.verify import verify
-from bench.helpers.errors import PointError, ProblemError
+from bench.helpers.errors import PointError
 from bench.storage.folder import Folder
 from bench.trial.scoring import scored
 
@@ -112,13 +112,6 @@ class TestFailures:
         with evaluated(problem(fails), 1, 60.0) as beside, pytest.raises(PointError):
             beside.evaluate(X)
         assert [file.name for file in tmp_path.iterdir()] == ["1"]
-
-    def test_a_run_fails_as_ever(self):
-        def fails(x):
-            raise RuntimeError("no convergence")
-
-        with pytest.raises(ProblemError, match="RuntimeError: no convergence"):
-            solve(problem(fails), "random-search", budget=10, parallel=2)
 
 
 def test_no_process_is_left():
