@@ -87,7 +87,7 @@ class Program(FunctionProblem):
 
     def fits(self, numbers: Sequence[float]) -> bool:
         """Return whether an answer has the value and as many violations as were declared, or as the first answer."""
-        return self._number in (None, len(numbers) - 1)
+        return len(numbers) > 0 and self._number in (None, len(numbers) - 1)
 
     def answer(self, row: Floats) -> list[float]:
         """Return the value of a (d,) point and its violations; raises BenchError where the program gives none."""

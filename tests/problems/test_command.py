@@ -185,6 +185,7 @@ class TestOncePerPoint:
             ("echo done", "mine.sh printed done last; wanted is the value, as in 0.25"),
             ("echo 1_000", "mine.sh printed 1_000 last; wanted is the value"),
             ("echo nan", "mine.sh returned NaN"),
+            ("true", "mine.sh printed nothing; wanted is the value, as in 0.25"),
         ],
     )
     def test_what_is_no_value_is_one_sentence(self, script, text, reason):
