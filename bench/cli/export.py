@@ -57,7 +57,7 @@ def _write_evaluations(folder: Path, output: Path) -> None:
         | {"evaluation": each["n"] + 1}
         | {f"x_{name}": value for name, value in zip(head["variables"], each["x"], strict=True)}
         | {"f": each["f"], "seconds": each["s"], "error": each.get("error", "")}
-        | {f"g{number}": value for number, value in enumerate(each["g"], start=1)}
+        | {f"g{number}": value for number, value in enumerate(each.get("g", []), start=1)}
         for head, records in journals(folder)
         for each in sorted(records, key=itemgetter("n"))
     ]

@@ -32,7 +32,7 @@ FOLDER = "journal"
 DROPPED = "{} in the journal were of no use: other points were asked for"
 SLOW = 0.1  # seconds of an evaluation from which on it is worth a line and its way to the disk
 Record = JsonObject
-"""An evaluation: its value ``f``, its violations ``g``, its seconds ``s``, and the ``error`` of one that failed."""
+"""An evaluation: its value ``f``, its violations ``g`` or the ``error`` of one that failed, and its seconds ``s``."""
 
 _FROM_OUTSIDE = re.compile(r"\bsignal (1|2|9|15)\b|SIG(HUP|INT|KILL|TERM)")  # the end of a run, not of an evaluation
 
@@ -164,4 +164,4 @@ def under_way_lines(folder: Path, parallel: int) -> Iterator[str]:
 
 def best(records: list[Record]) -> float:
     """Return the lowest value of a feasible point, +inf without any."""
-    return min((each["f"] for each in records if all(excess <= 0 for excess in each["g"])), default=inf)
+    return min((each["f"] for each in records if all(excess <= 0 for excess in each.get("g", []))), default=inf)

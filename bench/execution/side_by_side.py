@@ -29,6 +29,7 @@ from bench.sandbox.messages import describe_error
 from bench.sandbox.process import DiedError
 from bench.sandbox.server import FORKS
 from bench.trial.scoring import Scored
+from bench.trial.scoring.problem import violations_of
 
 START = "fork" if FORKS else "spawn"
 """How processes are started; to one that is started anew the problem is sent by value."""
@@ -122,11 +123,8 @@ class Evaluations:
         made = self._processes.records(x, rows) if self._processes else self._here(x, rows)
         values, failed = np.full(len(x), inf), dict[int, str]()
         for row, record in chain(known.items(), made):
-            if self._problem.joint or journal:
-                self._find_violations(x[[row]], record)
+            failed |= {row: error} if (error := self._error(x[row], record)) else {}
             values[row] = record["f"]
-            if "error" in record:
-                failed[row] = record["error"]
             if journal and row not in known and (self._goes_on or row not in failed):
                 journal.add(row, x[row], record)
         if journal:
@@ -137,42 +135,45 @@ class Evaluations:
 
     def violations(self, x: Floats) -> Floats | None:
         """Return the (n, m) violations of the (n, d) points, or None without constraints."""
-        known = [self._found.get(row.tobytes()) for row in x]
+        known = [self._found.get(row.tobytes(), [inf] if self._problem.joint else None) for row in x]
         rows = [each for each in known if each is not None]
         if len(rows) < len(x):
             return self._problem.violations(x)
         most = max(map(len, rows), default=0)  # a point that failed has one
         return np.array([each + [0.0] * (most - len(each)) for each in rows]).reshape(len(x), most)
 
-    def _find_violations(self, point: Floats, record: Record) -> None:
-        """Add the violations ``g`` of a (1, d) point to its record; it fails where they are not as many as before."""
-        if self._problem.joint and "error" in record:
-            record["g"] = [inf]
-        elif "g" not in record:
-            found = self._problem.violations(point)
-            record["g"] = [] if found is None else found[0].tolist()
-        if self._problem.joint and "error" not in record:
+    def _error(self, point: Floats, record: Record) -> str:
+        """Return why a point failed, "" where it did not; keep its violations, which are as many as of the first."""
+        if "g" in record:
             number = len(record["g"])
             self._number = number if self._number is None else self._number
-            if number != self._number:
+            if number == self._number:
+                self._found[point.tobytes()] = record["g"]
+            else:
                 what = f"problem {self._problem.name!r} returned {count(number, 'violation')}"
-                record |= {"f": inf, "g": [inf], "error": f"{what}, and {self._number} in its first answer"}
-        self._found[point.tobytes()] = record["g"]
+                record |= {"f": inf, "error": f"{what}, and {self._number} in its first answer"}
+                del record["g"]
+        return str(record.get("error", ""))
 
     def _here(self, x: Floats, rows: list[int]) -> Iterator[tuple[int, Record]]:
         """Yield the records of rows of (n, d) points: one after the other where the problem does so, else together."""
         alone = self._problem.by_point
         for part in [[row] for row in rows] if alone else filter(None, [rows]):
-            began, error = perf_counter(), {}
+            began = perf_counter()
             try:
-                values = as_values(self._problem, self._problem.evaluate(x[part]), len(part)).tolist()
-            except Exception as raised:  # a plug-in may raise anything
+                records = _records(self._problem, x[part])
+            except Exception as error:  # a plug-in may raise anything
                 if not (alone and self._goes_on):
                     raise
-                values, error = [inf], {"error": describe_error(raised)}
+                records = [{"f": inf, "error": describe_error(error)}]
             seconds = (perf_counter() - began) / len(part)
-            for row, value in zip(part, values, strict=True):
-                yield row, {"f": value, "s": seconds, **error}
+            yield from ((row, {**record, "s": seconds}) for row, record in zip(part, records, strict=True))
+
+
+def _records(problem: Problem, x: Floats) -> list[Record]:
+    """Evaluate (n, d) points; return their values and violations."""
+    values = as_values(problem, problem.evaluate(x.copy()), len(x)).tolist()  # it may compute in its argument
+    return [{"f": value, "g": excess} for value, excess in zip(values, violations_of(problem, x).tolist(), strict=True)]
 
 
 class _Processes:
@@ -293,9 +294,7 @@ def _serve(problem: Problem | bytes, end: Connection, others: list[Connection]) 
             try:
                 loaded.open()
                 end.send("begins")
-                answer = {"f": as_values(loaded, loaded.evaluate(x.copy()), 1).item()}  # it may compute in its argument
-                if loaded.joint and (found := loaded.violations(x)) is not None:
-                    answer["g"] = found[0].tolist()
+                (answer,) = _records(loaded, x)
             except StopRun as stopped:
                 answer = StopRun(str(stopped))
             except (Exception, SystemExit) as error:  # a plug-in may raise anything
