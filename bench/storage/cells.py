@@ -76,17 +76,17 @@ class Cells:
         """Return the names of these inputs that are others than those that trials of a cell were made from."""
         return [name for pair in zip(self.made_from(cell), inputs, strict=True) for name in conflicts(*pair)]
 
-    def fitting(self, bare: Cell, inputs: Sequence[Inputs], first: Cell | None = None) -> Cell:
-        """Return the cell to which trials belong that were made from these inputs.
+    def fitting(self, cell: Cell, inputs: Sequence[Inputs]) -> Cell:
+        """Return the cell to which trials of a cell belong that were made from these inputs.
 
-        That is the first whose trials were made from no other state of any of them: ``first``, or the latest; else a
-        cell with the next numbers.
+        That is the first whose trials were made from no other state of any of them: the cell itself, the latest one, or
+        one with the next numbers.
         """
         records = []
-        for place, (text, read_by_it) in enumerate(zip(bare.records, inputs, strict=True)):
-            known = [*([first.records[place]] if first else []), *self.candidates(place, text)]
+        for place, (text, read_by_it) in enumerate(zip(cell.records, inputs, strict=True)):
+            known = text, *self.candidates(place, text)
             records.append(next(each for each in known if not conflicts(self.made.get(each, {}), read_by_it)))
-        return Cell(records[0], records[1], *bare.conditions)
+        return Cell(records[0], records[1], *cell.conditions)
 
     def candidates(self, place: int, text: str) -> list[str]:
         """Return the records of this problem (place 0) or optimizer (1), the latest inputs first; last, one of new."""

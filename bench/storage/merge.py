@@ -151,7 +151,7 @@ def take(source: Folder, writer: Writer, wanted: Mapping[Cell, Cell] | None = No
         for number, cell in reader.cells.all.items():
             if wanted is None or cell in wanted:
                 theirs = reader.cells.made_from(cell)
-                chosen[number] = writer.cells.fitting(cell.bare, theirs, cell) if wanted is None else wanted[cell]
+                chosen[number] = writer.cells.fitting(cell, theirs) if wanted is None else wanted[cell]
                 writer.cells.add(chosen[number], theirs)
         made = {environment for number, environment in reader.made_by() if number in chosen}
         environments = {n: each for n, each in reader.records("environments").items() if each and n in made}

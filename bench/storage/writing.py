@@ -54,7 +54,7 @@ class Writer:
             self._inputs[made_from] = self.record("inputs", record), split(record)
         number, inputs = self._inputs[made_from]
         selected = self.cells.all[self._selected[trial.key[:2]]]
-        others, cell = self.cells.conflicts(selected, inputs), self.cells.fitting(selected.bare, inputs, selected)
+        others, cell = self.cells.conflicts(selected, inputs), self.cells.fitting(selected, inputs)
         with self.transaction():
             self.put(row | trial.columns | {"environment": environment, "inputs": number}, self.number(cell))
         self.cells.add(cell, inputs)

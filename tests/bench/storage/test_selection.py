@@ -151,10 +151,10 @@ def test_other_evaluations_and_seeds_are_named_together():
 def test_trials_join_the_version_that_was_made_from_no_other_state():
     cells = held(study("a"))
     cell = cells.all[1]
-    assert cells.fitting(cell.bare, [{}, {"file:lazy.py": ("l", [])}], cell) == cell  # read late by one of them
-    other = cells.fitting(cell.bare, [{}, {"file:f.py": ("edited", [])}], cell)
+    assert cells.fitting(cell, [{}, {"file:lazy.py": ("l", [])}]) == cell  # read late by one of them
+    other = cells.fitting(cell, [{}, {"file:f.py": ("edited", [])}])
     assert other == cell._replace(optimizer=with_inputs(cell.optimizer, 2))
     cells.all[9] = other
     cells.add(other, [{}, {"file:f.py": ("edited", [])}])
-    assert cells.fitting(cell.bare, [{}, {"file:f.py": ("edited", [])}], cell) == other
-    assert cells.fitting(cell.bare, [{}, {"file:f.py": ("a", [])}], other) == cell
+    assert cells.fitting(cell, [{}, {"file:f.py": ("edited", [])}]) == other
+    assert cells.fitting(other, [{}, {"file:f.py": ("a", [])}]) == cell
