@@ -12,6 +12,7 @@ from bench.topics.findings import Findings
 from bench.topics.methods.methods import methods
 from tests.bench.formats.made import make as made
 from tests.bench.formats.made import record
+from tests.bench.made import Known
 
 
 @pytest.fixture(scope="module")
@@ -21,9 +22,8 @@ def folder(make, tmp_path_factory):
 
 
 def findings(folder, asked=None, expected=None, **optima):
-    found = Findings(Results(folder), asked)
-    if expected:
-        found.results._facts = lambda label: ProblemFacts(expected=expected)
+    known = Known(folder, lambda label: ProblemFacts(expected=expected)) if expected else Results(folder)
+    found = Findings(known, asked)
     found.trials.__dict__["optima"] = optima
     return found
 

@@ -16,6 +16,7 @@ from bench.results.results import ProblemFacts
 from bench.study import Entry, Study
 from bench.study.targets import COCO_PRECISIONS
 from tests.bench.formats.made import HOSTILE, exported, make, read, record, some_fail
+from tests.bench.made import Known
 
 READ_COCO = """
 with warnings.catch_warnings():
@@ -171,13 +172,13 @@ class TestSuites:
     def test_a_study_of_several_suites_has_a_folder_for_each(self, tmp_path):
         numbers = {"bbob": 24, "bbob-boxed": 3, "bbob-largescale": 7, "bbob-mixint": 9, "bbob-noisy": 130}
         labels = [f"{suite}-f{number:02d}-d20-i{i}" for suite, number in numbers.items() for i in (2, 1)]
-        results = make(tmp_path / "s", dict.fromkeys([*labels, "home"], 20), ("a",), trials=1)
+        make(tmp_path / "s", dict.fromkeys([*labels, "home"], 20), ("a",), trials=1)
         features = {label: dict(zip(KEYS, label.rsplit("-", 3)[:2], strict=True)) for label in labels}
         facts = {
             label: ProblemFacts(optimum=-5.0, features=each | {"instance": int(label[-1])})
             for label, each in features.items()
         }
-        results._facts = lambda label: facts.get(label, ProblemFacts())
+        results = Known(tmp_path / "s", lambda label: facts.get(label, ProblemFacts()))
         folder = exported(results, "coco", tmp_path / "out")
         folders = [f"{suite}/a" for suite in numbers]
         found = read(READ_SUITES, folder, tmp_path, json.dumps([PRECISIONS, folders]))["sets"]
@@ -195,9 +196,9 @@ class TestSuites:
     @pytest.mark.slow
     def test_an_evaluation_of_a_constrained_function_counts_twice_as_in_coco(self, tmp_path):
         row = lambda *_: record([math.inf, 9.0, 5.5, 5.0], 2)  # noqa: E731
-        results = make(tmp_path / "s", {"bbob-constrained-f54-d2-i1": 2}, ("a",), trials=1, row=row)
+        make(tmp_path / "s", {"bbob-constrained-f54-d2-i1": 2}, ("a",), trials=1, row=row)
         features = {"suite": "bbob-constrained", "function": "f54", "instance": 1}
-        results._facts = lambda label: ProblemFacts(optimum=5.0, features=features)
+        results = Known(tmp_path / "s", lambda label: ProblemFacts(optimum=5.0, features=features))
         folder = exported(results, "coco", tmp_path / "out")
         (data,) = read(READ_SUITES, folder, tmp_path, json.dumps([[10.0, 1.0, 1e-8], ["a"]]))["sets"]
         assert data["evaluations"] == [[4.0], [6.0], [8.0]]

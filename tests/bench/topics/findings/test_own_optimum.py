@@ -5,10 +5,10 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from bench import Results
 from bench.contract.objective import Trace
 from bench.results.results import ProblemFacts
 from bench.topics.findings import Findings
+from tests.bench.made import Known
 
 
 @pytest.fixture
@@ -17,8 +17,7 @@ def findings(make, tmp_path):
     changes = {"a": {"fun": 5.0}, "b": {"fun": 6.0}}
     options = {"a": {"handling": "box"}, "b": {"handling": "repair"}}
     folder = make(tmp_path / "s", ("p",), ("a", "b"), trials=6, changes=changes, options=options)
-    found = Findings(Results(folder), [0.5, 1e-3])
-    found.results._facts = lambda label: ProblemFacts(5.0, repaired_optimum=6.0)
+    found = Findings(Known(folder, lambda label: ProblemFacts(5.0, repaired_optimum=6.0)), [0.5, 1e-3])
     ends = {"a": 5.0, "b": 6.0}
     traces = {("p", o, i): Trace(np.array([1, 50]), np.array([9.0, ends[o]])) for o in "ab" for i in range(6)}
     found.trials.__dict__["pooled"] = replace(found.trials.pooled, traces=traces)

@@ -1,17 +1,17 @@
 """The competition's table in a report; optimizers a, b and c find about 5, 6 and 7 on p and q."""
 
-from bench import Results
 from bench.report.latex import to_latex
 from bench.results.results import ProblemFacts
 from bench.topics.findings import Findings
 from bench.topics.units import section as units
+from tests.bench.made import Known
 
 
 def section(folder, subject=None, suite="cec2022", **optima):
-    found = Findings(Results(folder), asked_subject=subject)
-    found.results._facts = lambda label: ProblemFacts(  # an instance of each function
-        optima.get(label), features={"suite": suite, "function": label} if suite else {}
-    )
+    def facts(label):  # an instance of each function
+        return ProblemFacts(optima.get(label), features={"suite": suite, "function": label} if suite else {})
+
+    found = Findings(Known(folder, facts), asked_subject=subject)
     found.trials.__dict__["dimensions"] = dict.fromkeys(found.trials.problems, 10)
     return units.section(found)
 
