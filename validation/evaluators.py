@@ -36,7 +36,7 @@ def main() -> None:
     with bench.Evaluator(names, budget=BUDGET, trials=1, sandbox="--no-sandbox" not in sys.argv) as judge:
         costs = timed(
             {
-                "bench.Evaluator": lambda: judge(SOURCE).score,
+                "bench.Evaluator": lambda: judge.llamea(solution()).fitness,
                 "BLADE, a process a candidate": lambda: problem(solution()).fitness,
                 "LLaMEA, in this process": lambda: problem.evaluate(solution()).fitness,
             }
