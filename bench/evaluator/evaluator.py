@@ -161,7 +161,7 @@ class Evaluator(AbstractContextManager["Evaluator"]):
         with explained(f"{path} cannot be written"):
             Path(path).write_text("".join(f"{json.dumps(each)}\n" for each in self._judged), encoding="utf-8")
 
-    def llamea(self, solution: Any, logger: Any = None) -> Any:  # noqa: ARG002 - LLaMEA gives one
+    def llamea(self, solution: Any, logger: Any = None) -> object:  # noqa: ARG002 - LLaMEA gives one
         """Judge a solution of LLaMEA or BLADE and return it with its scores: ``LLaMEA(judge.llamea, …)``.
 
         LLaMEA needs ``parallel_backend="threading"`` for it.

@@ -155,7 +155,7 @@ def _connect(client: Callable[..., Any], scheduler: str) -> Any:
     """Return a client of the scheduler."""
     if not scheduler.strip():
         raise BenchError("the address of the dask scheduler is empty; give one such as tcp://10.0.0.1:8786")
-    answer: SimpleQueue[Any] = SimpleQueue()
+    answer: SimpleQueue[object] = SimpleQueue()
     asked = partial(client, scheduler, timeout=CONNECT, set_as_default=False)
 
     def connect() -> None:

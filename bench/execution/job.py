@@ -175,7 +175,7 @@ class Job:
             ready.process.close()
         return answer
 
-    def _make_apart(self, trial: Trial, ready: _Ready, held: Objects) -> Any:
+    def _make_apart(self, trial: Trial, ready: _Ready, held: Objects) -> object:
         """Have a trial made by :func:`make_apart`; return the answer, with what both processes have read.
 
         What a ``held`` optimizer has read is not kept: another one takes its place.
@@ -248,7 +248,7 @@ def make_apart(
     server: Process,
     process: Process,
     limits: dict[str, Any],
-) -> Any:
+) -> object:
     """Have a trial made whose problem, budget and trace are in another process than its optimizer.
 
     Return what the process of the problem answers, with the processor seconds of the optimizer's, the reason to stop

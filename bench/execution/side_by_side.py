@@ -11,6 +11,7 @@ from itertools import chain
 from math import inf
 from multiprocessing import get_context, popen_fork
 from multiprocessing.connection import Connection, wait
+from multiprocessing.process import BaseProcess
 from time import monotonic, perf_counter
 from typing import Any
 
@@ -190,7 +191,7 @@ class _Processes:
         self._problem, self._goes_on = problem, goes_on
         self._seconds = inf if seconds is None else seconds
         self._context: Any = get_context(START)
-        self._all: dict[Connection, Any] = {}  # by the connection through which each is asked
+        self._all: dict[Connection, BaseProcess] = {}  # by the connection through which each is asked
         self._idle = [self._started() for _ in range(number)]
 
     def close(self) -> None:
@@ -205,7 +206,7 @@ class _Processes:
     def records(self, x: Floats, rows: Sequence[int]) -> Iterator[tuple[int, Record]]:
         """Yield the records of rows of (n, d) points; none is begun after one that failed, unless the others go on."""
         left, failed = iter(rows), False
-        busy = dict[Any, tuple[int, float, float]]()  # the row, when it began, and when it is late
+        busy = dict[Connection, tuple[int, float, float]]()  # the row, when it began, and when it is late
         while True:
             while self._idle and (self._goes_on or not failed) and (row := next(left, None)) is not None:
                 end = self._idle.pop()
@@ -231,7 +232,7 @@ class _Processes:
                 failed = failed or "error" in record
                 yield row, record | {"s": monotonic() - began}
 
-    def _replace(self, end: Any, *, late: bool = False) -> str:
+    def _replace(self, end: Connection, *, late: bool = False) -> str:
         """End a process and start another one; return why, in a sentence."""
         process = self._all.pop(end)
         process.join(0.0 if late else _GRACE)
@@ -246,7 +247,7 @@ class _Processes:
     def _started(self) -> Connection:
         """Start a process; return the connection through which it is asked."""
         own, end = self._context.Pipe()
-        problem: Any = self._problem if START == "fork" else cloudpickle.dumps(self._problem)
+        problem: object = self._problem if START == "fork" else cloudpickle.dumps(self._problem)
         process = self._context.Process(
             target=_serve, args=(problem, end, [own, *self._all] if START == "fork" else [])
         )
@@ -258,7 +259,7 @@ class _Processes:
         return own  # type: ignore[no-any-return]
 
 
-def _received(end: Any) -> Any:
+def _received(end: Connection) -> object:
     """Return what a process sent, None where it has ended."""
     try:
         return end.recv()
@@ -266,9 +267,9 @@ def _received(end: Any) -> Any:
         return None
 
 
-def _kill(process: Any) -> None:
+def _kill(process: BaseProcess) -> None:
     """End a process and what it has started, unless it has ended by itself."""
-    if process.exitcode is None:
+    if process.pid is not None and process.exitcode is None:
         tree.kill(process.pid)
         process.join()
 
@@ -290,7 +291,7 @@ def _serve(problem: Problem | bytes, end: Connection, others: list[Connection]) 
     with suppress(EOFError, OSError), closing(loaded):
         while True:
             x = end.recv()[np.newaxis]
-            answer: Any
+            answer: object
             try:
                 loaded.open()
                 end.send("begins")

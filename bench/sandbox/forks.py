@@ -51,7 +51,7 @@ class ForkServer(AbstractContextManager["ForkServer"]):
         self._calls.append((function, arguments, limits))
         return self
 
-    def ensure(self, function: Callable[..., object], *arguments: object, **limits: Any) -> None:
+    def ensure(self, function: Callable[..., object], *arguments: object, **limits: object) -> None:
         """Make a call as :meth:`call` does, unless the processes that come from here have made it already."""
         if not any((function, arguments) == call[:2] for call in self._calls):
             self.call(function, *arguments, **limits)

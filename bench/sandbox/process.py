@@ -272,7 +272,7 @@ class Process(AbstractContextManager["Process"]):
         """End a process that was not forked, and its copies; any thread may do so, and its user finds it ended."""
         self._end_process(0.0)
 
-    def _load(self, number: int, payload: bytes) -> tuple[str, Any]:
+    def _load(self, number: int, payload: bytes) -> tuple[str, object]:
         """Return the kind and the value of a message; end a process whose message answers no call."""
         with suppress(ValueError, RecursionError, TypeError):
             kind, value = json.loads(payload) if payload.count(b",") <= _MOST else ("", None)

@@ -208,7 +208,7 @@ class Reader:
         """Return the records of environments, inputs or history by number, oldest first; a damaged one is empty."""
         return records_of(self._connection, table)
 
-    def _fits(self, noted: object, cell: object, names: object, *values: Any) -> bool:
+    def _fits(self, noted: object, cell: object, names: object, *values: object) -> bool:
         bound = self._bound(cell, names)
         return bound is not None and digest(bound, values) == noted
 
