@@ -101,25 +101,17 @@ def read(connection: sqlite3.Connection) -> Cells:
     Raises:
         sqlite3.DatabaseError: where they cannot be read, or the selection is not as it was written.
     """
-    cells = Cells(_all(connection), *_selected(connection))
+    text = cache(decoded)  # a record is one object, however many cells have it
+    joined = "cells JOIN problems ON problems.id = problem JOIN optimizers ON optimizers.id = optimizer"
+    columns = "cells.id, problems.record, optimizers.record, evaluations, seed"
+    every = connection.execute(f"SELECT {columns} FROM {joined} ORDER BY cells.id")
+    cells = Cells({number: Cell(text(p), text(o), *rest) for number, p, o, *rest in every}, *_selected(connection))
     records = records_of(connection, "inputs")
     for cell, number, rows in connection.execute("SELECT cell, inputs, count(*) FROM results GROUP BY cell, inputs"):
         cells.trials[cell] += rows
         if cell in cells.all:
             cells.add(cells.all[cell], split(records.get(number, {})))
     return cells
-
-
-def _all(connection: sqlite3.Connection) -> dict[int, Cell]:
-    problems, optimizers = (
-        {number: decoded(record) for number, record in connection.execute(f"SELECT id, record FROM {table}")}
-        for table in ("problems", "optimizers")
-    )
-    return {
-        number: Cell(problems[problem], optimizers[optimizer], *rest)
-        for number, problem, optimizer, *rest in connection.execute("SELECT * FROM cells")
-        if problem in problems and optimizer in optimizers
-    }
 
 
 def _selected(connection: sqlite3.Connection) -> tuple[dict[int, Labels], str]:
