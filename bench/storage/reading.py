@@ -7,7 +7,7 @@ from collections.abc import Callable, Iterator, Mapping, Sequence
 from contextlib import suppress
 from dataclasses import dataclass, field
 from functools import cached_property, lru_cache
-from itertools import chain, islice
+from itertools import chain
 from typing import Any
 
 from bench.contract.objective import Trace
@@ -57,7 +57,7 @@ class StoreCheck:
     """
 
     trials: int = 0  # rows read, damaged ones included
-    damaged: dict[Key, None] = field(default_factory=dict)  # trials, in the order in which they were found
+    damaged: list[str] = field(default_factory=list)  # trials, in words
     records: list[str] = field(default_factory=list)  # damaged ones, such as "environment 3"
     missing: int = 0  # rows that were committed and are not there
     lost: int = 0  # commits that the store lacks
@@ -73,9 +73,8 @@ class StoreCheck:
         """The outcome in one sentence, without a full stop."""
         parts = []
         if self.damaged:
-            shown = "; ".join(_name(*key) for key in islice(self.damaged, NAMED))
-            more = f"; and {len(self.damaged) - NAMED:,} more" if len(self.damaged) > NAMED else ""
-            parts.append(f"{len(self.damaged):,} of {self.trials:,} trials are damaged ({shown}{more})")
+            shown = listed(self.damaged, NAMED, between="; ")
+            parts.append(f"{len(self.damaged):,} of {self.trials:,} trials are damaged ({shown})")
         if self.missing:
             parts.append(f"{self.missing:,} of {self.trials + self.missing:,} committed trials are missing")
         elif self.lost:
@@ -87,11 +86,6 @@ class StoreCheck:
         if not parts:
             return f"all {self.trials:,} trials are as they were written"
         return ", and ".join(parts)
-
-
-def _name(problem: str, optimizer: str, trial: int) -> str:
-    number = f"trial {trial}" if trial >= 0 else "an unknown trial"
-    return f"{printable(optimizer, LONGEST)} on {printable(problem, LONGEST)}, {number}"
 
 
 class Reader:
@@ -184,7 +178,7 @@ class Reader:
             check.trials += len(fetched)
             sound = [row for row in fetched if self._fits(*row)]
             if len(sound) < len(fetched):
-                check.damaged |= {self._place(row): None for row in fetched if not self._fits(*row)}
+                check.damaged += [self._named(row) for row in fetched if not self._fits(*row)]
             for column, numbers in referred.items():
                 numbers.update(row[READ.index(column)] for row in sound)
             yield sound
@@ -212,11 +206,12 @@ class Reader:
         bound = self._bound(cell, names)
         return bound is not None and digest(bound, values) == noted
 
-    def _place(self, row: Sequence[Any]) -> Key:
-        """Return labels and number of a damaged trial for people."""
-        _, number, _, trial, *_ = row
-        labels = self.cells.selected.get(number, ("an unknown problem", "an unknown optimizer"))
-        if number not in self.cells.selected and (cell := self.cells.all.get(number)):
-            problem, optimizer = cell.labels
+    def _named(self, row: Sequence[Any]) -> str:
+        """Return a damaged trial in words; its labels may be damaged, too."""
+        _, cell, _, trial, *_ = row
+        labels = self.cells.selected.get(cell, ("an unknown problem", "an unknown optimizer"))
+        if cell not in self.cells.selected and (other := self.cells.all.get(cell)):
+            problem, optimizer = other.labels
             labels = problem, f"{optimizer} (not selected)"
-        return (*labels, trial if isinstance(trial, int) else -1)
+        problem, optimizer = (printable(label, LONGEST) for label in labels)
+        return f"{optimizer} on {problem}, {f'trial {trial}' if isinstance(trial, int) else 'an unknown trial'}"
