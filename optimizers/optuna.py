@@ -2,13 +2,14 @@
 
 from __future__ import annotations
 
+import warnings
+from contextlib import ExitStack
 from dataclasses import dataclass
 
 import numpy as np
 
 from bench.contract.objective import Objective
 from bench.contract.optimizer import Optimizer
-from bench.helpers import quiet
 from optimizers.common.family import Adapter, Family, declared, table
 
 TABLE = table("optuna")
@@ -32,7 +33,10 @@ class OptunaOptimizer(Adapter):
         box = zip(objective.lower.tolist(), objective.upper.tolist(), strict=True)
         uniform = optuna.distributions.FloatDistribution
         ranges = {name: uniform(*ends) for name, ends in zip(names, box, strict=True)}
-        with quiet(optuna):
+        with warnings.catch_warnings(), ExitStack() as after:
+            warnings.simplefilter("ignore")
+            after.callback(optuna.logging.set_verbosity, optuna.logging.get_verbosity())
+            optuna.logging.set_verbosity(optuna.logging.ERROR)
             sampler = getattr(optuna.samplers, self.member)(seed=int(rng.integers(2**32)), **options)
             study = optuna.create_study(sampler=sampler)
             for point in objective.initial(min(first, objective.budget)).tolist() if first else ():

@@ -1,11 +1,9 @@
-"""Print lines unchanged, errors and progress; write durations as text; read options as KEY=VALUE; keep silent."""
+"""Print lines unchanged, errors and progress; write durations as text; read options as KEY=VALUE."""
 
 from __future__ import annotations
 
-import warnings
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
-from types import ModuleType
 from typing import TYPE_CHECKING
 
 from bench.helpers.errors import BenchError
@@ -87,16 +85,3 @@ def pairs(items: list[str] | None) -> JsonObject:
         except ValueError:
             options[key.strip()] = value
     return options
-
-
-@contextmanager
-def quiet(optuna: ModuleType) -> Iterator[None]:
-    """Let optuna print and warn of nothing; its level of messages is as before afterwards."""
-    level = optuna.logging.get_verbosity()
-    optuna.logging.set_verbosity(optuna.logging.ERROR)
-    try:
-        with warnings.catch_warnings():
-            warnings.simplefilter("ignore")
-            yield
-    finally:
-        optuna.logging.set_verbosity(level)
