@@ -110,7 +110,7 @@ def estimate(
     settings = Settings(gear_ratio, single, limit_rad=limit, resamples=resamples)
     if calibration is not None:
         settings = replace(settings, calibration=None if calibration == "none" else load_calibration(calibration))
-    part = parse_window(window) if window is not None else None
+    part = parse_window(window) if window is not None else (None, None)
     if plot is not None:
         from problems.backlash.sensor import plots
 

@@ -11,7 +11,6 @@ from collections.abc import Callable
 from dataclasses import dataclass, replace
 from functools import partial
 from pathlib import Path
-from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -44,7 +43,9 @@ class _Layout:
             raise BenchError(f"recording {self.path}: unit {self.unit!r} is not known; give {', '.join(units)}")
 
 
-def read(path: str | Path, **layout: Any) -> Recording:
+def read(
+    path: str | Path, *, speed: Column | None = None, unit: str | None = None, window: Window = (None, None)
+) -> Recording:
     """Return the recording that a file holds.
 
     A column is given by its heading, without regard to case and with or without its unit, or by its number from 1.
@@ -63,23 +64,26 @@ def read(path: str | Path, **layout: Any) -> Recording:
 
     Args:
         path: a .csv, .txt, .xlsx or .parquet file.
-        layout: options, all of which default to None:
-            ``speed``: the column of motor speed, or of its position where heading or unit say so.
-            ``unit``: "rps", "rpm", "rad/s", "deg/s" of a speed; "rev", "rad", "deg" of a position.
-            ``window``: the ends (s) of the part to read, each a number or None; what is outside may be damaged.
+        speed: the column of motor speed, or of its position where heading or unit say so.
+        unit: "rps", "rpm", "rad/s", "deg/s" of a speed; "rev", "rad", "deg" of a position.
+        window: the ends (s) of the part to read, each a number or None; what is outside may be damaged.
 
     Raises:
         BenchError: for a file that cannot be read, columns that are missing or ambiguous, values that are not numbers,
             or a time that runs backwards or has gaps; with the line and column. It is a :class:`NoRecordingError` where
             the file is something else altogether.
     """
-    options = {key: value for key, value in layout.items() if value is not None}
-    place = _Layout(Path(path), **options)
+    place = _Layout(Path(path), speed, unit, window)
     return _recording(load(place.path), place)
 
 
 def read_joints(
-    path: str | Path, *, joint_column: str | None = None, **layout: Any
+    path: str | Path,
+    *,
+    joint_column: str | None = None,
+    speed: Column | None = None,
+    unit: str | None = None,
+    window: Window = (None, None),
 ) -> list[tuple[str, Callable[[], Recording]]]:
     """Return the joints in a file by name, each with a function that returns its recording, as :func:`read` does.
 
@@ -87,16 +91,15 @@ def read_joints(
         path: as for :func:`read`.
         joint_column: the column that says which joint a line is of; or, with an ``*``, the headings of columns of a
             joint each, where the ``*`` stands for the joint's name; None where the file has one joint, "" by name.
-        layout: as for :func:`read`.
+        speed, unit, window: as for :func:`read`.
 
     Raises:
         BenchError: for a file that cannot be read, and for a column of joints that it does not have. The functions
             raise what :func:`read` does.
     """
+    place = _Layout(Path(path), speed, unit, window)
     if joint_column is None:
-        return [("", partial(read, path, **layout))]
-    options = {key: value for key, value in layout.items() if value is not None}
-    place = _Layout(Path(path), **options)
+        return [("", lambda: _recording(load(place.path), place))]
     table = load(place.path)
     columns = Columns(place.path, table.names)
     if "*" not in joint_column:
