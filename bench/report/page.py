@@ -101,12 +101,12 @@ def render(
     anchors, beside, environment = _anchors(views), Documentation(guides), _environment()
     environment.filters |= {"as_json": as_json, "terms": beside.terms}
     environment.filters["address"] = lambda part: f"#{anchors[part]}" if part in anchors else beside.address(part)
-    figures = [item.part for item in _items(views) if isinstance(item.part, Figure)]
-    scripts = [library()] if any(figure.live for figure in figures) else []
+    items = _items(views)
+    scripts = [library()] if any(isinstance(item.part, Figure) and item.part.live for item in items) else []
     scripts.append(_asset("page.js"))
     return environment.get_template("page.html.j2").render(
         title=title, lead=lead, views=views, style=_asset("page.css"), scripts=scripts,
-        hashes=[digest(script) for script in scripts], widest=_widest(views),
+        hashes=[digest(script) for script in scripts], widest=max((len(item.grid.header) for item in items), default=0),
     )  # fmt: skip
 
 
@@ -188,11 +188,6 @@ def _of_page(tag: str, own: str) -> str:
 def _items(views: list[View]) -> list[Item]:
     """Return the tables and figures of all views."""
     return [item for outer in views for view in (outer, *outer.views) for item in view.items]
-
-
-def _widest(views: list[View]) -> int:
-    """Return the number of columns of the page's widest table."""
-    return max((len(item.grid.header) for item in _items(views)), default=0)
 
 
 def _asset(name: str) -> Markup:

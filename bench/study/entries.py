@@ -51,7 +51,9 @@ def read_entries(items: object, key: str, where: str) -> tuple[Entry, ...]:
     problem that is selected from the suite; ``{name}`` in a label stands for the entry's name. Lists in the table
     ``options`` of optimizers give one entry for each combination of their values; everywhere else a list is a value.
     """
-    if not isinstance(items, list) or not items or not all(map(_is_entry, items)):
+    if not (isinstance(items, list) and items) or not all(
+        isinstance(item, dict | str) or loading.is_plugin(item) for item in items
+    ):
         raise BenchError(f"study {where} needs at least one [[{key}]] table with a name, or a list of names as {key}")
     entries: list[Entry] = []
     for item in items:
@@ -86,10 +88,6 @@ def read_entries(items: object, key: str, where: str) -> tuple[Entry, ...]:
             entries += [Entry(name, *combination, tuple(files)) for combination in combinations]
     check_labels(entries, key, where)
     return tuple(entries)
-
-
-def _is_entry(item: object) -> bool:
-    return isinstance(item, dict | str) or loading.is_plugin(item)
 
 
 def check_labels(entries: Iterable[Entry], key: str, where: str) -> None:

@@ -202,17 +202,15 @@ def _function_files(
             f"algId = '{algorithm}', coco_version = '2.8.2', logger = '{place.suite}', data_format = 'bbob-new2'"
         )
         comment = f"{'' if place.own else STAND_IN}{runs[0][0].problem}"
-        named = [f"{places[trial.problem].instance}:{_result(trial, optimum)}" for trial, optimum in runs]
+        named = [
+            f"{places[trial.problem].instance}:{trial.nfev}|{_difference(trial.trace.at(trial.nfev), optimum):.1e}"
+            for trial, optimum in runs
+        ]
         index += [head, f"% {comment}", ", ".join([f"{path}.dat", *named])]
     yield f"bbobexp_f{place.function}.info", "\n".join([*index, ""])
     for path, runs in logs.items():
         yield f"{path}.dat", _log(((*run, run[0].evaluations) for run in runs), place.g_evaluations)
         yield f"{path}.tdat", _log(((*run, _grid(run[0].nfev)) for run in runs), place.g_evaluations)
-
-
-def _result(trial: ExportedTrial, optimum: float) -> str:
-    """Return the evaluations and the final value of a trial as the index has them."""
-    return f"{trial.nfev}|{_difference(trial.trace.at(trial.nfev), optimum):.1e}"
 
 
 def _log(runs: Iterable[tuple[ExportedTrial, float, NDArray[np.int64]]], g_evaluations: int) -> str:

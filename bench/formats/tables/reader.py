@@ -133,7 +133,9 @@ def _exported(source: Source, file: PurePosixPath, trials: PurePosixPath) -> Ite
         if name not in reserved or name in _NUMBERS
     }
     known: dict[str, list[Any]] = {name: _counts(table, name, trials) for name in _COUNTS if name in table}
-    known |= {name: [_known(each) for each in measured.pop(name)] for name in _NUMBERS if name in measured}
+    for name in _NUMBERS:
+        if name in measured:
+            known[name] = [None if np.isnan(each) else each for each in measured.pop(name)]
     known |= {name: [text or None for text in table[name]] for name in _TEXTS if name in table}
     for place, key in enumerate(zip(*(table[name] for name in KEYS), strict=True)):
         columns: Row = {name: column[place] for name, column in known.items()}
@@ -145,10 +147,6 @@ def _exported(source: Source, file: PurePosixPath, trials: PurePosixPath) -> Ite
         dimension = naming.dimension_of(problem) or len(columns.get("x", ())) or None
         trace = traces.get(key, NO_TRACE)
         yield ImportedRun(problem, optimizer, dimension, columns["nfev"] or 0, trace, key[2], columns)
-
-
-def _known(value: float) -> float | None:
-    return None if np.isnan(value) else value
 
 
 READER = FormatReader(f"a table ({', '.join(COLUMNS)})", is_index, runs)

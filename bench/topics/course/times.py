@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
-
 import numpy as np
 import pandas as pd
 
@@ -141,20 +139,16 @@ def fastest(findings: Findings, level: float) -> set[tuple[str, str]]:
 
 def files(findings: Findings) -> tuple[File, ...]:
     """Return the running times to every target of the tables, and the areas over convergence curves."""
-    anytime = findings.anytime
-    made: Sequence[tuple[str, str, pd.DataFrame]] = (
-        ("running-times", "The expected running times (ERT) of every cell, with their spread.", _times(anytime)),
-        ("aocc", "The area over the convergence curve (AOCC; van Stein et al. 2024) of every cell.", _aocc(anytime)),
+    anytime, targets = findings.anytime, findings.anytime.target_set
+    times = targets.in_unit(anytime.running_times, targets.unit)
+    areas = anytime.aocc if targets.absolute else pd.DataFrame()
+    made = (
+        File("tables/running-times.csv", "The expected running times (ERT) of every cell, with their spread.", times),
+        File(
+            "tables/aocc.csv", "The area over the convergence curve (AOCC; van Stein et al. 2024) of every cell.", areas
+        ),
     )
-    return tuple(File(f"tables/{name}.csv", about, frame) for name, about, frame in made if len(frame))
-
-
-def _times(anytime: Anytime) -> pd.DataFrame:
-    return anytime.target_set.in_unit(anytime.running_times, anytime.target_set.unit)
-
-
-def _aocc(anytime: Anytime) -> pd.DataFrame:
-    return anytime.aocc if anytime.target_set.absolute else pd.DataFrame()
+    return tuple(file for file in made if len(file.content))
 
 
 def _short(value: float) -> str:

@@ -83,7 +83,10 @@ def foreseen(study: Study, gap: float = GAP, power: float = POWER) -> list[str]:
 def smallest(study: Study, power: float = POWER) -> str:
     """Return the sentence on the smallest A12 that the study's tests find."""
     design, trials, _ = _design(study, power)
-    found = [f"{place} {_shown(a12)}" for place, a12 in zip(design.places, design.shown(trials), strict=False)]
+    found = [
+        f"{place} {'none' if isnan(a12) else f'{a12:.2f}'}"
+        for place, a12 in zip(design.places, design.shown(trials), strict=False)
+    ]
     return f"The smallest A12 that it shows with a power of {power:.0%}: {', '.join(found)}."
 
 
@@ -94,10 +97,6 @@ def _design(study: Study, power: float) -> tuple[Design, int, int]:
     pairs = k - 1 if study.subject else comb(k, 2)
     design = Design(len(of_function), pairs, ALPHA / pairs if study.subject else ALPHA, power)
     return design, study.trials * instances, instances
-
-
-def _shown(a12: float) -> str:
-    return "none" if isnan(a12) else f"{a12:.2f}"
 
 
 def _needed(shows: Callable[[int], bool]) -> str:

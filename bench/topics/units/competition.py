@@ -22,7 +22,7 @@ BY_U_SCORES = ("cec2022", "cec2024")
 
 def table(findings: Findings) -> Table | None:
     """Return the table of functions of CEC's suites, and of any study with a subject; None for others."""
-    suites = _suites(findings)
+    suites = {str(facts.features.get("suite", "")) for facts in findings.trials.known.values()}
     if not findings.subject and not (suites and all(name.startswith("cec") for name in suites)):
         return None
     errors = error_statistics(findings.trials.frame, findings.trials.unbeaten)
@@ -40,10 +40,6 @@ def files(findings: Findings) -> Iterator[File]:
         errors = checkpoints(trials.frame, trials.traces, trials.unbeaten, shares, trials.allowed)
         if len(errors):
             yield File("tables/checkpoints.csv", "Errors at the checkpoints of the competition.", errors)
-
-
-def _suites(findings: Findings) -> set[str]:
-    return {str(facts.features.get("suite", "")) for facts in findings.trials.known.values()}
 
 
 def _tests(findings: Findings) -> pd.DataFrame:
