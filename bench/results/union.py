@@ -74,7 +74,9 @@ def differences(studies: Sequence[Study], names: Sequence[str]) -> list[str]:
     functions = count(len(set(shared.values())), "problem")
     sentences = [f"The folders share {functions}; only those are compared."]
     pooled = {label for label, function in shared.items() if function != label}
-    numbers = [_instances(entry.label for entry in study.problems if entry.label in pooled) for study in studies]
+    numbers = [
+        {entry.label.rpartition("-i")[2] for entry in study.problems if entry.label in pooled} for study in studies
+    ]
     if any(instances != numbers[0] for instances in numbers):
         kept = [
             f"{count(len(instances), 'instance')} of {name}" for instances, name in zip(numbers, names, strict=True)
@@ -156,7 +158,3 @@ def _largest(studies: Sequence[Study], problems: Iterable[str], stored: Callable
         )
     sizes = sorted({dimension for dimension in dimensions.values() if dimension})
     return Budget.read({str(size): max(study.evaluations(size) for study in studies) for size in sizes})
-
-
-def _instances(labels: Iterable[str]) -> set[int]:
-    return {int(label.rpartition("-i")[2]) for label in labels if function_of(label) != label}
