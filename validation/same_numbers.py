@@ -20,7 +20,7 @@ NUMBERS = {
     "running-times": ([*CELL, "target"], ["trials", "successes", "ert", "low", "high", "p10", "p90", "ert_per_d"]),
     "aocc": (CELL, ["aocc", "aocc_from_zero"]),
 }
-TARGETS = ("tau", "precision", "target", "length")
+TARGETS = ("budget / d", "tau", "precision", "target", "length")
 
 
 def read(folder: Path, name: str) -> pd.DataFrame:
