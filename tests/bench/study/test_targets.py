@@ -7,7 +7,7 @@ import pandas as pd
 import pytest
 
 from bench import BenchError
-from bench.study.targets import KINDS, Targets, fractions
+from bench.study.targets import KINDS, Found, Targets, fractions
 
 
 @pytest.mark.parametrize(
@@ -60,3 +60,11 @@ def test_the_ladder_falls_by_ten_steps_a_decade():
     assert (len(fractions(known=False)), len(fractions(known=True))) == (31, 81)
     assert fractions(known=True)[[0, 10, 30, 80]].tolist() == [1.0, 0.1, 0.001, 1e-8]
     np.testing.assert_allclose(np.diff(np.log10(fractions(known=True))), -0.1)
+
+
+@pytest.mark.parametrize("given", ["relative", "precisions", "quantiles", [10, 1e-3], ["5%"]])
+def test_the_levels_of_tables_are_those_of_targets_which_begin_at_the_reference(given):
+    targets = Targets.read(given)
+    levels, values = targets.rungs(Found(reference=2.0, known=True, first=12.0, finals=np.array([2.0, 12.0])))
+    assert np.isclose([*targets.tabled, *targets.levels, targets.level], levels[:, np.newaxis]).any(axis=0).all()
+    assert (values >= 2.0).all()
