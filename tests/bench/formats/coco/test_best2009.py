@@ -7,11 +7,9 @@ from itertools import product
 import numpy as np
 import pandas as pd
 import pytest
-from typer.testing import CliRunner
 
 from bench import BenchError
 from bench.analysis.reference import reference_times, runlength_targets
-from bench.cli.app import app
 from bench.formats.coco import best2009
 from bench.study.targets import COCO_PRECISIONS
 from tests.bench.formats.made import read
@@ -110,11 +108,6 @@ def test_problems_are_found_with_and_without_instance():
     assert set(one["problem"]) == {"bbob-f08-d5"}
 
 
-def test_a_study_without_such_a_problem_is_refused():
-    with pytest.raises(BenchError, match=r"has running times on bbob and bbob-noisy .* the study has no such problem"):
-        best2009.best2009(["signature-12", "bbob-largescale-f01-d20-i1"])
-
-
 def test_without_cocopp_the_sentence_names_the_extra(monkeypatch):
     monkeypatch.setitem(sys.modules, "cocopp", None)
     with pytest.raises(BenchError, match=r"read from cocopp, which is not installed; .*'backlash-bench\[coco\]'"):
@@ -128,15 +121,3 @@ def test_a_cocopp_without_the_data_is_named(monkeypatch, tmp_path):
     monkeypatch.syspath_prepend(tmp_path)
     with pytest.raises(BenchError, match=r"the installed cocopp has no best2009-bbob\.tar\.gz"):
         best2009.best2009(["bbob-f01-d2-i1"])
-
-
-def test_a_run_whose_problems_have_none_is_refused_before_its_first_trial(tmp_path, monkeypatch):
-    (tmp_path / "s.toml").write_text(
-        'name = "s"\nbudget = 10\ntargets = "runlength"\nproblems = [{name = "classical-sphere-d2"}]\n'
-        'optimizers = [{name = "random-search"}]\n'
-    )
-    monkeypatch.chdir(tmp_path)
-    found = CliRunner().invoke(app, ["run", "s.toml"])
-    assert isinstance(found.exception, BenchError)
-    assert "the study has no such problem" in str(found.exception)
-    assert not (tmp_path / "results").exists()
