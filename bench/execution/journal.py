@@ -89,22 +89,28 @@ class Journal:
             return
         line = {"n": self._count + row, "x": point.tolist(), **record}
         self._lines[line["n"]] = line
-        if self._file >= 0 and self._inputs() == self._head["inputs"]:
+        if self._file < 0:
+            self._begin()
+        else:
             os.write(self._file, _text(line))
-            return
-        self.close()  # it begins anew, with the lines that count
+
+    def end(self, evaluated: int, replayed: int) -> None:
+        """Have what a call of so many evaluations added reach the disk, with what the problem has read by now."""
+        self._count += evaluated
+        self.replayed += replayed
+        if self._file >= 0:
+            if self._inputs() != self._head["inputs"]:
+                self._begin()
+            os.fsync(self._file)
+
+    def _begin(self) -> None:
+        """Write the file anew, with the lines that count."""
+        self.close()
         self._head["inputs"] = self._inputs()
         self.path.parent.mkdir(exist_ok=True)
         with replacing(self.path) as beside:
             beside.write_bytes(b"".join(map(_text, (self._head, *self._lines.values()))))
         self._file = os.open(self.path, os.O_WRONLY | os.O_APPEND)
-
-    def end(self, evaluated: int, replayed: int) -> None:
-        """Have what a call of so many evaluations added reach the disk."""
-        self._count += evaluated
-        self.replayed += replayed
-        if self._file >= 0:
-            os.fsync(self._file)
 
     def close(self) -> None:
         """Close its file."""
