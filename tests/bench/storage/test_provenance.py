@@ -36,6 +36,7 @@ class TestMachine:
         assert first["cores"] >= 1
         assert 0 < first["memory_gb"] < 1e5
         assert all(each.keys() == {"library", "version", "threads"} for each in first["blas"])
+        assert first["blas"] or sys.platform != "linux"  # numpy brings one there
 
     def test_the_memory_is_what_a_container_may_use(self, tmp_path, monkeypatch):
         whole = provenance.memory()
