@@ -48,7 +48,7 @@ class TestAdjustment:
             frame_of({(each, name): rng.normal(shifts[name], 1, 20) for each in "pqr" for name in shifts})
         )
         assert len(pairs) == 18
-        for _, own in pairs.groupby("problem"):
+        for _, own in pairs.groupby("problem", observed=True):
             p = inference(Effects(own["a12"].to_numpy(), own["ratio"].to_numpy(), 20.0), 0.05)[2]
             np.testing.assert_allclose(own["p_holm"], multipletests(p, method="holm")[1])
         assert (pairs["significant"] == (pairs["p_holm"] <= 0.05)).all()
@@ -125,7 +125,7 @@ def test_only_pairs_of_the_subject_are_hypotheses(subjects):
     every, own = pairwise_tests(subjects), pairwise_tests(subjects, subject="b")
     with_b = own[own["p_holm"].notna()]
     assert set(zip(with_b["first"], with_b["second"], strict=True)) == {("a", "b"), ("b", "c")}
-    for _, rows in with_b.groupby("problem"):
+    for _, rows in with_b.groupby("problem", observed=True):
         assert rows["p_holm"].to_numpy() == pytest.approx(holm(rows["p"].to_numpy()))
     assert own["p"].tolist() == every["p"].tolist()
     others = own[own["p_holm"].isna()]
