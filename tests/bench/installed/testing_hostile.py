@@ -88,16 +88,10 @@ def kill_once(objective, rng):
     scatter(objective, rng)
 
 
-def prints(stream):
-    def do(objective, rng):
-        for _ in range(50):
-            if isinstance(stream, int):
-                os.write(stream, b"x" * 999_999 + b"\n")
-            else:
-                print(ESCAPES + "x" * 999_999, file=getattr(sys, stream))
-        scatter(objective, rng)
-
-    return do
+def write_much(objective, rng):
+    for _ in range(50):
+        os.write(2, b"x" * 999_999 + b"\n")
+    scatter(objective, rng)
 
 
 def start_threads(objective, rng):
@@ -172,8 +166,7 @@ DEEDS = {
     "crash": lambda objective, rng: ctypes.string_at(0),
     "kill": kill(signal.SIGKILL),
     "kill-once": kill_once,
-    "print": prints("stdout"),
-    "write": prints(2),
+    "write": write_much,
     "threads": start_threads,
     "fork-and-stay": fork_and_stay,
     "processes": start_processes,
