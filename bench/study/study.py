@@ -43,10 +43,6 @@ TRIALS = 30
 """The usual number of trials of an optimizer on a problem."""
 
 
-def _whole(value: object, what: str, *, least: int, most: int) -> int:
-    return require_whole(what, value, least, most)
-
-
 def _finite(value: Any, what: str, *, least: float = -inf) -> float:
     if not is_finite(value) or value <= least:
         raise BenchError(f"{what} must be a {'positive ' * (least == 0)}number, not {value!r}")
@@ -89,9 +85,9 @@ class Study:
     name: str
     problems: tuple[Entry, ...]
     optimizers: tuple[Entry, ...]
-    trials: Checked[int] = Checked(partial(_whole, least=1, most=MOST_TRIALS), TRIALS)
+    trials: Checked[int] = Checked(lambda value, what: require_whole(what, value, 1, MOST_TRIALS), TRIALS)
     budget: Checked[Budget] = Checked(Budget.read, Budget.read(10_000))
-    seed: Checked[int] = Checked(partial(_whole, least=0, most=LARGEST_SEED), 0)
+    seed: Checked[int] = Checked(lambda value, what: require_whole(what, value, 0, LARGEST_SEED), 0)
     title: str = ""
     constraints: Checked[str] = Checked(handlings.read_handling, handlings.DEFAULT)
     on_error: Checked[str] = Checked(require_on_error, "fail")
@@ -100,7 +96,7 @@ class Study:
     final_target: Checked[float | None] = Checked(partial(_finite, least=0))
     stop_at: Checked[float | None] = Checked(_finite)
     journal: bool = False
-    parallel: Checked[int] = Checked(partial(_whole, least=1, most=MOST_PARALLEL), 1)
+    parallel: Checked[int] = Checked(lambda value, what: require_whole(what, value, 1, MOST_PARALLEL), 1)
     targets: Checked[Targets | None] = Checked(Targets.read)
     subject: str = ""
 
