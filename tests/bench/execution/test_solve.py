@@ -43,7 +43,7 @@ def test_functions_of_one_point_and_of_many_give_the_same_run():
     [
         (sphere, Once, {}, "the function 'sphere' needs bounds to be a problem"),
         (sphere, Once, {"bounds": [5, 6]}, "bounds must be a pair (lower, upper) for each variable, not [5, 6]"),
-        (sphere, Once, {"bounds": [(0, 1)], "budget": 0}, "the budget must be a whole number from 1"),
+        (sphere, Once, {"bounds": [(0, 1)], "budget": 0}, "'budget' must be a whole number from 1"),
         (sphere, object, {"bounds": [(0, 1)]}, "'object' is no optimizer"),
         (3, Once, {}, "'int' is no problem"),
         ("classical-sphere-d2-i1", Once, {"bounds": [(0, 1)]}, "is made already; leave out its bounds and options"),
