@@ -106,4 +106,4 @@ def not_known() -> str:
 
 def own_time(label: str, own: float, rival: str, other: float) -> str:
     """Return the time that a run takes besides the problem's own, beside that of a rival."""
-    return f"{label} takes {seconds(own)} of its own a run, {rival} {seconds(other)}"
+    return f"on average, {label} takes {seconds(own)} of its own a run, {rival} {seconds(other)}"

@@ -10,10 +10,12 @@ MOST = 5  # optimizers that a sentence names
 
 
 def fastest(fast: str, least: float, slow: str, most: float) -> str:
-    """Say whose run takes the least and the most time."""
+    """Say whose median run takes the least and the most time."""
     if fast == slow:
-        return f"A run of {fast} takes {seconds(least)}."
-    return f"A run of {fast} takes {seconds(least)}, the least, and one of {slow} {seconds(most)}, the most."
+        return f"A median run of {fast} takes {seconds(least)}."
+    if seconds(least) == seconds(most):
+        return f"A median run takes {seconds(least)}, whatever the optimizer."
+    return f"A median run of {fast} takes {seconds(least)}, the least, and one of {slow} {seconds(most)}, the most."
 
 
 def unknown(optimizers: Sequence[str]) -> str:
