@@ -103,6 +103,7 @@ class Conversation(Program):
     """A program that runs for as long as a trial does, and answers each point by a line of JSON."""
 
     _unasked = ""  # what the program wrote in this trial without being asked
+    _is_asked = False  # whether an answer is due, as where the call was interrupted
     _talk: tuple[int, Talk] | None = None  # with the process that started it: a copy starts its own
 
     def answer(self, row: Floats) -> list[float]:
@@ -112,8 +113,10 @@ class Conversation(Program):
             if before := talk.unread():  # an answer before may have been meant for another point
                 self._unasked = f"wrote {short(before)} unasked"
                 raise talk.error(self._unasked)
+            self._is_asked = True
             talk.say(x=self.coordinates(row))
             answer = talk.hear()
+            self._is_asked = False
             match answer:
                 case {"f": value, "g": [*violations], **rest} if not rest and self._are([value, *violations]):
                     return [float(value), *map(float, violations)]
@@ -139,9 +142,9 @@ class Conversation(Program):
 
     def close(self) -> None:
         """End the program, if one runs; raises BenchError where it wrote more lines than it was asked for."""
-        left, before = self._ended(), self._unasked
-        self._unasked = ""
-        if left or before:
+        left, before, asked = self._ended(), self._unasked, self._is_asked
+        self._unasked, self._is_asked = "", False
+        if before or (left and not asked):
             raise BenchError(
                 f"the program {self._command.title} {before or f'wrote {short(left)} after its last answer'}"
             )

@@ -117,7 +117,22 @@ def summary(folder: Folder) -> Group:
         left = planned * len(study.optimizers) - sum(cell.done for cell in cells)
         lines.append(Text(_progress(folder, running, left)))
         lines += map(Text, under_way_lines(folder.path, study.parallel))
+    else:
+        lines += map(Text, interrupted(folder))
     return Group(*lines)
+
+
+def interrupted(folder: Folder) -> Iterator[str]:
+    """Yield a line on the evaluations that the journals of unfinished trials hold."""
+    from bench.execution.journal import FOLDER, journals
+
+    if not (folder.path / FOLDER).is_dir():
+        return
+    left = {trial.key for trial in folder.study().plan()} - folder.store.keys(finished_only=True)
+    found = journals(folder.path, {(problem, optimizer, str(number)) for problem, optimizer, number in left})
+    if numbers := [len(records) for _, records in found]:
+        noted = f"{count(sum(numbers), 'evaluation')} of {count(len(numbers), 'interrupted trial')}"
+        yield f"{noted} are in the journal: 'bench run' goes on from there"
 
 
 def _kept(folder: Folder) -> Iterator[str]:

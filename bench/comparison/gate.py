@@ -127,7 +127,8 @@ def _of_one(path: AnyPath, optimizer: str | None) -> tuple[Findings, tuple[str, 
     new = next(name for name in shown.values() if results.planned[name])  # only the selected one follows a plan
     earlier = [name for name in shown.values() if name != new]
     if number and shown.get(number) not in earlier:
-        raise BenchError(f"{path} holds no earlier version {number} of {label!r}; it has {listing(earlier)}")
+        what = "is the one that is selected" if shown.get(number) == new else "is not here"
+        raise BenchError(f"version {number} of {label!r} {what}: {path} has {listing(earlier)} to compare it with")
     return Findings(results), (shown[number] if number else earlier[-1], new)
 
 

@@ -152,8 +152,8 @@ class Evaluator(AbstractContextManager["Evaluator"]):
         (made,) = self._frames(self._workers, [candidate], [LABEL], self._test, trials)
         frame = pd.concat([made, baselines], ignore_index=True)
         with self._lock:
-            self._finals += 1
-            finals, judged = self._finals - 1, len({each["hash"] for each in self._judged})
+            finals, judged = self._finals, len({each["hash"] for each in self._judged})
+            self._finals += not candidate.error
         return Final(compare(frame, LABEL, before=True), frame, judged, finals, candidate.reason)
 
     def log(self, path: str | PathLike[str]) -> None:

@@ -58,7 +58,9 @@ class Final:
     error: str = ""
 
     def __str__(self) -> str:
-        lines = [f"It failed: {self.error}"] if self.error else []
+        if self.error:
+            return f"It failed: {self.error}"
+        lines = []
         for row in self.table.to_dict("records"):
             where = f"on {count(row['problems'], 'held-out problem')}"
             seen = f"{row['chance']:.1%} ({row['low']:.1%} to {row['high']:.1%}, p = {row['p']:.2g})"

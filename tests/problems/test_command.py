@@ -1,6 +1,7 @@
 """Programs as problems: the protocol, arguments, what fails, and the simulators of examples/simulator."""
 
 import shutil
+import signal
 import subprocess
 import sys
 from pathlib import Path
@@ -63,6 +64,24 @@ def simulator(tmp_path_factory):
         return load_problem(f"command:{made}")
 
     return loaded
+
+
+@pytest.mark.skipif(not hasattr(signal, "setitimer"), reason="this system has no timers that interrupt")
+def test_a_program_is_not_blamed_for_an_answer_that_an_interrupt_left_unread(program):
+    problem = program("time.sleep(0.6); answer(x[0])")
+    problem.open()
+
+    def interrupted():
+        signal.setitimer(signal.ITIMER_REAL, 0.2)
+        problem.evaluate(np.array([[1.0, 2.0]]))
+
+    before = signal.signal(signal.SIGALRM, signal.default_int_handler)
+    try:
+        with pytest.raises(KeyboardInterrupt):
+            interrupted()
+    finally:
+        signal.signal(signal.SIGALRM, before)
+    problem.close()
 
 
 @pytest.mark.parametrize("client", ["beam.c", "beam.R", "beam.sh"])

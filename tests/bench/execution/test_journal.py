@@ -14,10 +14,12 @@ from rich.progress import Progress
 
 from bench import FunctionProblem, load_results, run, solve
 from bench.cli import export
+from bench.cli.status import interrupted
 from bench.execution.journal import Journal, best, journals, read, under_way_lines
 from bench.execution.progress import Within
 from bench.execution.side_by_side import evaluated
 from bench.helpers.errors import PointError
+from bench.storage.folder import Folder
 from bench.storage.under_way import noting
 from bench.trial.scoring import scored
 from bench.trial.trial import Trial
@@ -98,7 +100,10 @@ def test_a_run_that_is_killed_goes_on_where_it_was(night, tmp_path):
     count.unlink()
     for after in (15, 40):
         killed(study, tmp_path / "out", count, after)
+    (line,) = interrupted(Folder(tmp_path / "out"))
+    assert line.endswith("of 1 interrupted trial are in the journal: 'bench run' goes on from there")
     outcome = run(study, tmp_path / "out", n_jobs=1, verify=False)
+    assert [*interrupted(Folder(tmp_path / "out"))] == []
     assert outcome.journal["replayed"] > 0
     assert outcome.journal["dropped"] == 0
     same(load_results(tmp_path / "out"), load_results(tmp_path / "whole"))

@@ -53,13 +53,22 @@ def test_they_are_handed_out_once_whatever_is_asked_for():
 
 def test_a_csv_file_has_a_point_in_each_line(tmp_path):
     (tmp_path / "designs.csv").write_text("\ufeffx1, x2\n4.0, 4.0\n\n0.5, -0.5\n", encoding="utf-8")
-    assert known_points(str(tmp_path / "designs.csv")) == KNOWN
+    assert known_points(str(tmp_path / "designs.csv")) == [["x1", "x2"], *KNOWN]
     (tmp_path / "one.csv").write_text("4.0,4.0")
     assert known_points(tmp_path / "one.csv") == [[4.0, 4.0]]
     for broken in ("x1,x2\n4.0\n", "x1;x2\n4.0;4.0\n", "4.0,4.0\n1,none\n", "x1,x2\n"):
         (tmp_path / "broken.csv").write_text(broken)
         with pytest.raises(BenchError, match="'initial' must be a list of points of one dimension"):
             known_points(tmp_path / "broken.csv")
+
+
+def test_names_over_the_columns_of_a_file_say_which_variables_they_are(tmp_path):
+    (tmp_path / "designs.csv").write_text("x2,x1\n1,2\n3,4\n")
+    problem = {"name": "classical-sphere-d2-i1", "initial": str(tmp_path / "designs.csv")}
+    study = Study.from_dict({"name": "s", "problems": [problem], "optimizers": ["gwo"]})
+    (tmp_path / "s.toml").write_text(study.to_toml())
+    found = Study.load(tmp_path / "s.toml").problem("classical-sphere-d2-i1").initial_points
+    assert found.tolist() == [[2.0, 1.0], [4.0, 3.0]]
 
 
 @pytest.mark.parametrize(
@@ -70,6 +79,7 @@ def test_a_csv_file_has_a_point_in_each_line(tmp_path):
         ([[float("nan"), 1.0]], "'initial' must be a list of points of one dimension"),
         ([[1.0]], "a point of 'initial' has 1 numbers, and the problem has 2 variables"),
         ([[1.0, 6.0]], "the point [1.0, 6.0] of 'initial' lies outside the box"),
+        ([["x2", "b"], [1.0, 2.0]], "the columns of 'initial' are x2, b, and the variables are x1, x2"),
         ("no.csv", "the points in no.csv cannot be read: No such file or directory"),
     ],
 )
