@@ -165,7 +165,7 @@ def test_the_final_is_a_test_once_and_counts(judge):
     assert first.judged == second.judged > 0
     assert "spent" not in str(first)
     assert "had been used 1 time before: they are spent" in str(second)
-    assert f"{first.judged} candidates had been judged" in str(first)
+    assert f"{first.judged} candidate" in str(first)
 
 
 def test_problems_of_train_are_not_held_out():
