@@ -8,7 +8,7 @@ from __future__ import annotations
 
 import re
 from collections import Counter
-from collections.abc import Iterable, Mapping
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, replace
 from os import PathLike
 from pathlib import Path
@@ -94,12 +94,12 @@ def import_results(
                 f"{', nor '.join(reader.index for reader in readers.values())}"
             )
         ((kind, files),) = indices.items()
-        reading = Reading(partial, columns=columns or {}, maximise=maximise)
+        reading = Reading(partial, columns=columns or {}, maximise=maximise and kind == TABLE)
         runs = _numbered(readers[kind].runs(contents, files, reading))
         if not runs:
             raise BenchError("; ".join([f"{source} holds no run that can be read", *reading.left_out[:1]]))
-        called = printable(name or contents.name, LONGEST_LABEL)
-        study = _study_of(called, runs)
+        called = printable(name or contents.name, LONGEST_LABEL).replace("\n", " ")
+        study = _study_of(called, runs, negated=reading.maximise)
         record = {
             "imported": called,
             "format": kind,
@@ -117,21 +117,17 @@ def import_results(
     )
 
 
-def _study_of(name: str, runs: Iterable[ImportedRun]) -> Study:
+def _study_of(name: str, runs: Sequence[ImportedRun], *, negated: bool) -> Study:
     """Return the study that numbered runs make up.
 
     Its budget is the largest number of evaluations of any run, by dimension where all dimensions are known: other tools
     have no budget that every run may spend.
     """
-    problems: dict[str, int | None] = {}
-    optimizers: dict[str, None] = {}
+    problems = {run.problem: run.dimension for run in runs}
+    optimizers = dict.fromkeys(run.optimizer for run in runs)
     spent: dict[int | None, int] = {}
-    trials = 0
     for run in runs:
-        problems[run.problem] = run.dimension
-        optimizers[run.optimizer] = None
         spent[run.dimension] = max(run.nfev, spent.get(run.dimension, 1))
-        trials = max(trials, (run.number or 0) + 1)
     budget = Budget.read(max(spent.values()))
     if len(spent) > 1 and None not in spent:
         budget = Budget.read({str(size): most for size, most in sorted(spent.items(), key=lambda item: item[0] or 0)})
@@ -142,9 +138,9 @@ def _study_of(name: str, runs: Iterable[ImportedRun]) -> Study:
         clean or "imported",
         tuple(Entry(label if naming.is_offered(label) else f"{IMPORTED}:{label}", label) for label in problems),
         tuple(Entry(f"{IMPORTED}:{label}", label) for label in optimizers),
-        trials=trials,
+        trials=1 + max(run.number or 0 for run in runs),
         budget=budget,
-        title=f"Imported from {name}" if name.isprintable() else "Imported results",
+        title=f"Imported from {name}" + "; values are negated where higher is better" * negated,
     )
 
 
@@ -154,17 +150,15 @@ def _numbered(runs: Iterable[ImportedRun]) -> list[ImportedRun]:
     Raises:
         BenchError: for a number that is given twice.
     """
-    results: list[ImportedRun] = []
+    results: dict[tuple[str, str, int], ImportedRun] = {}
     counts: Counter[tuple[str, str]] = Counter()
-    seen: set[tuple[str, str, int]] = set()
     for run in runs:
         number = counts[run.problem, run.optimizer] if run.number is None else run.number
         counts[run.problem, run.optimizer] += 1
-        if (key := (run.problem, run.optimizer, number)) in seen:
+        if (key := (run.problem, run.optimizer, number)) in results:
             raise BenchError(f"trial {number} of {run.optimizer} on {run.problem} occurs twice")
-        seen.add(key)
-        results.append(replace(run, number=number))
-    return results
+        results[key] = replace(run, number=number)
+    return [*results.values()]
 
 
 def _write(folder: Path, study: Study, runs: Iterable[ImportedRun], record: JsonObject) -> None:

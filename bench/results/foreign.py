@@ -58,10 +58,10 @@ _PROBLEM = re.compile(
 _GENERIC = re.compile("|results?|best|fit|fitness|runs?|data|all|final|values|errors")
 _AMBIGUOUS = {"fun", "f", "objective", "model", "name", "config"}  # of numbers, they are no names
 _NAMES = ("problem", "optimizer", "indicator", "run")  # may hold any text
-_FAILED = {"nan", "na", "n/a", "none", "null", "-"}
+_FAILED = {"nan", "na", "n/a", "none", "null", "-", "failed", "fail", "error", "timeout"}
 _NUMBER = r"[-+]?[\d.,]+(e[-+]?\d+)?"
 _SUMMARY = re.compile(rf"\s*{_NUMBER}\s*(±|\+/-|\+-|\\pm|\(\s*{_NUMBER}\s*\)).*", re.IGNORECASE)
-_THOUSANDS = "(?i)[-+]?[0-9]{1,3}(,[0-9]{3})+[.][0-9]*(e[-+]?[0-9]+)?"
+_THOUSANDS = "(?i)[-+]?[0-9]{1,3}(,[0-9]{3})+([.][0-9]*)?(e[-+]?[0-9]+)?"
 NO_TEST = (
     "a summary of runs, which cannot be tested: give a row for each run, or compare the printed numbers with "
     "'bench reproduce'"
@@ -83,8 +83,8 @@ def recognised(
 ) -> tuple[pd.DataFrame, list[str]]:
     """Return the rows of the runs of tables, and sentences on what was taken for what.
 
-    The rows have ``problem``, ``optimizer``, ``run`` (from 0) and ``value``, and ``evaluations`` and ``seed`` where all
-    have them.
+    The rows have ``problem``, ``optimizer``, ``run`` (from 0), ``value``, +inf for failed runs, and ``more``, whether
+    it is negated; and ``evaluations`` and ``seed`` where all have them.
 
     Args:
         tables: of one experiment.
@@ -92,8 +92,8 @@ def recognised(
         maximise: whether higher values are better; they are then negated.
 
     Raises:
-        BenchError: for summaries, for tables without values, optimizers or problems, and where several rows are of one
-            run and none says in which order.
+        BenchError: for summaries, for tables without values, optimizers or problems, for columns of which it is unclear
+            what they are, and where several rows are of one run and none says in which order.
     """
     given = columns or {}
     if unknown := [role for role in given if role not in SYNONYMS]:
@@ -112,16 +112,19 @@ def recognised(
         raise BenchError(f"{tables[0].where} holds no value")
     for name in ("problem", "optimizer"):
         rows[name] = rows[name].astype(str).str.strip()
-    more = rows.pop("more") | maximise
-    rows["value"] = rows["value"].where(~more, -rows["value"])
+    more = rows["more"] = rows["more"] | maximise
+    rows["value"] = rows["value"].mask(more, (-rows["value"]).replace(-np.inf, np.inf))
     way = "higher is better: values are negated" if more.any() else "lower is better"
     if more.any() and not more.all():
         way += f" on {listed(sorted(rows['problem'][more].unique()))}, and lower on the others"
     rows, about = _by_run(rows)
-    trials = rows.groupby(["problem", "optimizer"])["run"].nunique()
+    best = rows.groupby(["problem", "optimizer", "run"])["value"].min()
+    trials = best.groupby(["problem", "optimizer"]).size()
     least = f"{trials.min()} to " if trials.min() < trials.max() else ""
     optimizers, problems = (count(rows[name].nunique(), name) for name in ("optimizer", "problem"))
     said.append(f"{least}{count(trials.max(), 'run')} of {optimizers} on {problems}; {way}")
+    if failed := int(np.isposinf(best).sum()):
+        said.append(f"{count(failed, 'run')} failed, and {'count' if failed > 1 else 'counts'} as the worst")
     return rows.reset_index(drop=True), [*said, *about]
 
 
@@ -135,24 +138,31 @@ def _plain(name: object) -> str:
     return re.sub(r"[^a-z0-9]", "", re.sub(r"[\[(].*?[\])]", "", str(name)).lower())
 
 
-def _numbers(cells: pd.Series[str], where: str) -> pd.Series[float] | None:
-    """Return the numbers of a column, missing where a cell is empty, +inf for NaN; None where a cell is none.
+def _numbers(cells: pd.Series[str], where: str) -> tuple[pd.Series[float], pd.Series[str]]:
+    """Return the numbers of a column, missing where a cell is empty, +inf where it failed; and the cells that are none.
 
     Raises:
         BenchError: for a mean with its deviation.
     """
-    if pd.api.types.is_numeric_dtype(cells):
-        return None if pd.api.types.is_bool_dtype(cells) else cells.astype(float)
+    if pd.api.types.is_numeric_dtype(cells) and not pd.api.types.is_bool_dtype(cells):
+        return cells.astype(float), cells.iloc[:0]
     texts = cells.fillna("").astype(str).str.strip().str.replace("−", "-")
     failed = texts.str.lower().isin(_FAILED)
-    found = pd.to_numeric(texts.mask(failed | (texts == "")), errors="coerce").astype(float)
-    lost = texts[found.isna() & ~failed & (texts != "")]
-    if (summaries := lost[lost.str.fullmatch(_SUMMARY)]).size:
+    texts = texts.mask(failed, "")
+    if (summaries := texts[texts.str.fullmatch(_SUMMARY)]).size:
         raise BenchError(f"{where} has {summaries.iloc[0]!r}, {NO_TEST}")
-    mended = lost.mask(lost.str.fullmatch(_THOUSANDS), lost.str.replace(",", "")).str.replace(",", ".")
-    found[lost.index] = pd.to_numeric(mended, errors="coerce")
-    found[failed] = np.inf
-    return None if found[lost.index].isna().any() else found
+    turned = texts.str.translate({ord(","): ".", ord("."): ","})
+    if texts.str.contains(",").any() and turned[turned.str.contains(",")].str.fullmatch(_THOUSANDS).all():
+        texts = turned  # 1.234,5 or 0,5
+    texts = texts.mask(texts.str.fullmatch(_THOUSANDS), texts.str.replace(",", "")).str.replace(",", ".")
+    found = pd.to_numeric(texts, errors="coerce").astype(float)
+    return found.mask(failed, np.inf), cells[found.isna() & (texts != "")]
+
+
+def _counts(found: pd.Series[float]) -> bool:
+    """Return whether a column counts from 0 or 1, each number as often: it numbers something, and holds no values."""
+    levels = found.value_counts().sort_index()
+    return levels.nunique() == 1 < len(levels) and levels.index[0] in (0, 1) and set(np.diff(levels.index)) == {1}
 
 
 def _roles(heads: Sequence[str], given: Mapping[str, str], figures: Container[str]) -> dict[str, str]:
@@ -171,21 +181,37 @@ def _roles(heads: Sequence[str], given: Mapping[str, str], figures: Container[st
 def _long(table: Table, name: str, given: Mapping[str, str]) -> tuple[pd.DataFrame, str]:
     """Return the rows of a table, and what its columns were taken for."""
     cells = table.cells.set_axis([str(each).strip() for each in table.cells], axis=1)
-    cells = cells.loc[:, ~cells.columns.duplicated()]
+    cells = cells.loc[:, ~cells.columns.duplicated()].reset_index(drop=True)
     heads: list[str] = [*cells]
     read = {each: _numbers(cells[each], f"{table.where}, column {each!r},") for each in heads}
-    figures = pd.DataFrame({each: found for each, found in read.items() if found is not None}, cells.index)
+    figures = pd.DataFrame({each: found for each, (found, odd) in read.items() if odd.empty}, cells.index)
     names = {_plain(each) for each in heads}
     if names & _MEANS and names & _SPREADS:
         raise BenchError(f"{table.where} has the columns {listed(heads, 8)}: {NO_TEST}")
     roles = _roles(heads, given, figures)
-    wide = [str(each) for each in figures if each not in roles.values() and not _EXTRA.fullmatch(_plain(each))]
+    unknown = [each for each in heads if each not in roles.values() and not _EXTRA.fullmatch(_plain(each))]
+    for each in [*unknown, *(of for role, of in roles.items() if role not in _NAMES)]:
+        found, odd = read[each]
+        if len(odd) and (each not in unknown or len(odd) < found.count()):
+            where = f"{table.where}, column {each!r}, data row {odd.index[0] + 1}"
+            raise BenchError(f"{where}, has {odd.iloc[0]!r}, which is no number")
+    wide = [each for each in unknown if each in figures]
     if "value" not in roles and len(wide) == 1 and {"problem", "optimizer"} <= {*roles}:
         roles["value"] = wide[0]
     elif _plain(roles.get("value", "")) in _SHORT and "optimizer" not in roles and wide:
         wide.append(roles.pop("value"))  # an optimizer may be called GD
-    if lacking := [of for role, of in roles.items() if role not in _NAMES and of not in figures]:
-        raise BenchError(f"{table.where} has no numbers in its column {lacking[0]!r}")
+    texts = [each for each in unknown if each not in figures]
+    by = [roles[role] for role in ("problem", "optimizer") if role in roles] or texts[: "value" not in roles]
+    words = cells.astype(dict.fromkeys(texts, str))
+    few = [each for each in texts if len(by) < 2 and words[each].nunique() <= len(cells) / 2]
+    unclear = [each for each in few if words.groupby(by or (lambda _: 0))[each].nunique().max() > 1]
+    if "value" not in roles and not any(form.fullmatch(_plain(each)) for form in (_RUNS, _ITERATIONS) for each in wide):
+        unclear += [each for each in wide if len(by) > 1 or _counts(figures[each])]
+    if unclear:
+        raise BenchError(
+            f"{table.where} has columns that may be names, numbers of runs or values: {listed(unknown, 8)}; say which "
+            "by --column problem=NAME, optimizer=NAME, run=NAME or value=NAME, or leave out those that are none"
+        )
     kept = pd.DataFrame({role: (cells if role in _NAMES else figures)[of] for role, of in roles.items()}, cells.index)
     spread = ""
     if "value" not in roles:
@@ -193,8 +219,7 @@ def _long(table: Table, name: str, given: Mapping[str, str]) -> tuple[pd.DataFra
             raise BenchError(
                 f"{table.where} has no column of values among {listed(heads, 12)}; name it by --column value=NAME"
             )
-        first = next((each for each in heads if each not in figures and each not in roles.values()), None)
-        kept, spread, wide = _melted(figures[wide], cells.get(first), roles, kept)
+        kept, spread, wide = _melted(figures[wide], cells[texts[0]] if texts else None, roles, kept)
     by_name = _named(name, table, kept)
     kept = kept.assign(**by_name)
     measured = kept["indicator"] if "indicator" in kept else pd.Series(roles.get("value", ""), kept.index)
@@ -245,7 +270,7 @@ def _melted(
         else:
             said += f", rows = problems f1 to f{len(wide)}"
             kept["problem"] = [f"f{place}" for place in range(1, len(wide) + 1)]
-    elif role != "run" and not {*roles} & {"run", "seed"}:
+    elif role == "iteration" and not {*roles} & {"run", "seed"}:
         kept["run"] = kept.groupby([*named], sort=False).cumcount() if named else range(len(wide))
     parts = [
         kept.assign(value=wide[each], **{role: place if role == "iteration" else each})
@@ -285,22 +310,23 @@ def _by_run(rows: pd.DataFrame) -> tuple[pd.DataFrame, list[str]]:
     cell, notes = ["problem", "optimizer"], []
     partly = [name for name in ("run", "seed", "evaluations", "iteration") if name in rows and rows[name].isna().any()]
     rows = rows.drop(columns=partly)
-    key = next((name for name in ("run", "seed") if name in rows), "")
+    key, step = (next(filter(rows.__contains__, of), "") for of in (("run", "seed"), ("evaluations", "iteration")))
     numbered = rows[key] if key else rows.groupby(cell, sort=False).cumcount()
+    if not key and step and (rows.groupby(cell)[step].diff().dropna() > 0).all():
+        numbered = numbered * 0  # the course of one run
     if "seed" in rows:
         seeds = rows["seed"]
         whole = (seeds % 1 == 0) & (seeds >= 0) & (seeds < 2**53)
         rows = rows.assign(seed=seeds.astype("int64")) if whole.all() else rows.drop(columns="seed")
     order = pd.to_numeric(numbered, errors="coerce")
     numbered = order if order.notna().all() else numbered.astype(str)
-    rows = rows.assign(run=pd.factorize(numbered, sort=True)[0] if key else numbered)
+    rows = rows.assign(run=pd.factorize(numbered, sort=True)[0])
     one = [*cell, "run"]
     if key and rows["problem"].nunique() > 1:
         shared = key == "seed" and rows.groupby("run")["problem"].nunique().max() > 1
         what = "seeds: they" if shared else "numbers: where these are seeds, they"
         notes.append(f"runs on different problems share {what} may depend on each other")
-    step = next((name for name in ("evaluations", "iteration") if name in rows), "")
-    if key and rows.duplicated(one).any():
+    if rows.duplicated(one).any():
         if step == "iteration":
             notes.append("the best of the iterations of a run counts")
             rows = rows.sort_values("value", kind="stable").drop_duplicates(one).sort_index()

@@ -161,7 +161,10 @@ SHAPES = {shape: {name: long(head, cells)} for shape, (name, head, cells) in LON
     "NiaPy, JSON": {"runner.json": nested()},
     "NiaPy, JSON of points and values": {"runner.json": nested(pairs=True)},
     "JSON lines": {
-        "r.jsonl": "\n".join(json.dumps(each) for each in records(optimizer="method", run="rep", value="best_f")) + "\n"
+        "r.jsonl": "\n".join(
+            json.dumps(each | {"x": [0.5, 0.5]}) for each in records(optimizer="method", run="rep", value="best_f")
+        )
+        + "\n"
     },
     "JSON records": {
         "r.json": json.dumps(records(problem="benchmark", optimizer="solver", run="repetition", value="cost"))
@@ -280,6 +283,15 @@ def test_columns_and_direction_can_be_mended(tmp_path):
             "several rows are of one run of GWO on Sphere",
         ),
         ("Function,Algorithm\nF1,PSO\n", {}, "no column of values among Function, Algorithm"),
+        (
+            long("Testfall,Verfahren,Wdh,Ergebnis"),
+            {},
+            "Testfall, Verfahren, Wdh, Ergebnis; say.*problem=NAME, optimizer=",
+        ),
+        (long("Testfall,Verfahren,Wdh,Ergebnis"), {"value": "Ergebnis"}, "Testfall, Verfahren, Wdh; say which"),
+        ("Nr,GWO,PSO\n1,3.5,2\n2,1.5,7\n", {}, "Nr, GWO, PSO; say which"),
+        ("Function,Algorithm,a,b\nF1,GWO,1.5,2\nF1,PSO,3.5,7\n", {}, "a, b; say which"),
+        ("Optimizer;F1\nGWO;1,5\nGWO;1.2.3\nPSO;7\n", {}, "column 'F1', data row 2, has '1.2.3', which is no number"),
         (long("Function,Algorithm,Run,Fitness"), {"optimizer": "Algo"}, "has no column 'Algo'"),
         (long("Function,Algorithm,Run,Fitness"), {"optimiser": "Algorithm"}, "a column is no 'optimiser'"),
     ],
@@ -288,6 +300,27 @@ def test_what_cannot_be_tested_is_refused_with_a_sentence(tmp_path, text, column
     with pytest.raises(BenchError, match=sentence):
         imported(tmp_path, text, columns=columns)
     assert not (tmp_path / "out").exists()
+
+
+@pytest.mark.parametrize(
+    ("text", "values", "note"),
+    [
+        ("Optimizer;F1;F2\nGWO;1.234,5;1,5\nPSO;1.200;2\n", [1.5, 2, 1200, 1234.5], "1 run of 2 optimizers on 2"),
+        ('Optimizer,F1\nGWO,"1,234.5"\nPSO,"1,200"\n', [1200, 1234.5], "1 run of 2 optimizers on 1"),
+        ("Optimizer,F1\nGWO,Failed\nGWO,7\nPSO,nan\nPSO,TIMEOUT\n", [7] + [np.inf] * 3, "3 runs failed, and count as"),
+        ("iteration,GWO,PSO\n1,9,8\n2,7,6\n3,5,6\n", [5, 6], "1 run of 2 optimizers on 1"),
+        ("evaluations,GWO,PSO\n10,9,8\n20,7,6\n30,5,6\n", [5, 6], "1 run of 2 optimizers on 1"),
+        ("Function,Algorithm,gen,Fitness\nF1,GWO,1,9\nF1,GWO,2,7\nF1,PSO,1,8\n", [7, 8], "1 run of 2 optimizers on 1"),
+        ("Function,Algorithm,FES,Fitness\nF1,GWO,50,9\nF1,GWO,50,7\n", [7, 9], "2 runs of 1 optimizer on 1"),
+        ("Function,Algorithm,HV\nF1,GWO,0.5\nF1,PSO,nan\n", [-0.5, np.inf], "1 run failed, and counts as the worst"),
+    ],
+)
+def test_numbers_failures_and_courses_are_read(tmp_path, text, values, note):
+    notes = imported(tmp_path, text).notes
+    assert any(each.startswith(note) for each in notes), notes
+    results = Results(tmp_path / "out")
+    assert sorted(results.frame["fun"]) == values
+    assert ("; values are negated where higher is better" in results.study.title) == ("HV" in text)
 
 
 def test_without_evaluations_the_words_speak_of_no_budget(tmp_path):
