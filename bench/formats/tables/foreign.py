@@ -130,8 +130,14 @@ def _records(found: Json) -> pd.DataFrame:
     if not any(isinstance(cell, list) for cell in runs):
         return pd.DataFrame(found)
     roles = ["problem", "optimizer"] if are_problems(found) else ["optimizer", "problem"]
-    cells = runs.rename_axis(roles).explode()  # a run may be a pair of a point and its value
-    return cells.map(lambda cell: cell[-1] if isinstance(cell, list) and cell else cell).reset_index(name="value")
+    return runs.rename_axis(roles).explode().map(_value).reset_index(name="value")
+
+
+def _value(found: object) -> object:
+    """Return the value of a run that may be a pair of a point and its value, or a record with it."""
+    if isinstance(found, Mapping):
+        return next((found[name] for name in ("fun", "fitness", "best_fitness", "value", "f") if name in found), None)
+    return found[-1] if isinstance(found, list) and found else found
 
 
 READER = FormatReader("a table of results (csv, tsv, txt, xlsx, parquet, jsonl)", is_index, runs)
