@@ -18,7 +18,7 @@ from bench.plugins import loading
 from bench.sandbox.messages import describe_error
 from bench.study.budget import Budget
 from bench.trial.columns import Row, named
-from bench.trial.trial import Interrupted, as_row
+from bench.trial.trial import as_row
 
 Named = tuple[str, Options]  # a plug-in's name and its options
 
@@ -123,8 +123,10 @@ def _row(problem: Named, optimizer: Named, budget: Budget, **settings: Any) -> R
 
             try:
                 found = solve(loaded, chosen, budget=spent, on_evaluation=show if shown else None, **settings)
-            except Interrupted as interrupted:
-                found = interrupted.args[0]
+            except KeyboardInterrupt as interrupt:
+                if "found" not in vars(interrupt):
+                    raise
+                found = vars(interrupt)["found"]
         return as_row(found, tuple(map(said, loaded.variables))) | {"noisy": loaded.noisy}
     except BenchError:
         raise

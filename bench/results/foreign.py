@@ -23,7 +23,7 @@ SYNONYMS = {
     "optimisername algorithmname algoname algname methodname solvername algid algorithmid approach technique variant "
     "strategy model config configuration name",
     "run": "run trial runid trialid runno trialno runnumber trialnumber runindex repetition rep repeat replicate "
-    "replication execution executionid iterationofrun experiment id",
+    "replication execution executionid iterationofrun experiment id nr no idx index",
     "seed": "seed randomseed rngseed randomstate",
     "evaluations": "evaluations evaluation evals nfev nfe nfes fes fe funevals functionevaluations numevaluations "
     "nevals neval feval fevals maxfes",

@@ -135,7 +135,7 @@ def search(
     Raises:
         ProblemError: when the problem raises at a point in the box.
         RuntimeError: when the optimizer returns without an evaluation.
-        Interrupted: on Ctrl-C after an evaluation.
+        KeyboardInterrupt: on Ctrl-C; after an evaluation, its attribute ``found`` is the result so far.
         BaseException: whatever the optimizer raises.
     """
     start_stream, search_stream = streams(seed)
@@ -157,12 +157,9 @@ def search(
     wall, cpu, memory = perf_counter() - wall, process_time() - cpu, peak_memory() - memory
     found = result(objective, seed, wall, cpu, memory, returned)
     if interrupt is not None:
-        raise Interrupted(found) from interrupt
+        vars(interrupt)["found"] = found
+        raise interrupt
     return found
-
-
-class Interrupted(KeyboardInterrupt):
-    """Ctrl-C during a run of one optimizer; the first argument is its result so far, without metrics."""
 
 
 def peak_memory() -> float:

@@ -11,8 +11,7 @@ NAMES = [
     "AskTell", "BenchError", "BudgetExhausted", "Checkup", "Evaluator", "FunctionProblem", "Grid", "Objective",
     "Optimizer", "Outcome", "Problem", "Result", "Results", "StopRun", "Study", "Trace", "Verdict", "WorkerDiedError",
     "check_optimizer", "check_problem", "compare", "list_optimizers", "list_problems", "load_optimizer",
-    "load_problem", "load_results", "parameter", "run",
-    "solve", "write_report",
+    "load_problem", "load_results", "parameter", "run", "solve", "write_report",
 ]  # fmt: skip
 
 

@@ -73,7 +73,7 @@ def test_a_program_is_not_blamed_for_an_answer_that_an_interrupt_left_unread(pro
 
     def interrupted():
         signal.setitimer(signal.ITIMER_REAL, 0.2)
-        problem.evaluate(np.array([[1.0, 2.0]]))
+        problem.evaluate(np.ones((1, 2)))
 
     before = signal.signal(signal.SIGALRM, signal.default_int_handler)
     try:

@@ -157,8 +157,8 @@ def test_feedback_is_short_and_compares_with_the_baselines(judge):
 
 def test_the_final_is_a_test_once_and_counts(judge):
     judge(CALLED)
-    failed = judge.final("def f(objective, rng):\n    1 / 0\n", trials=3)
-    assert str(failed) == "It failed: line 2: ZeroDivisionError: division by zero (1 / 0)"  # and costs no problem
+    failed = str(judge.final("def f(objective, rng):\n    1 / 0\n", trials=3))  # which costs no problem
+    assert failed == "It failed: line 2: ZeroDivisionError: division by zero (1 / 0)"
     first, second = (judge.final(CALLED, trials=3) for _ in range(2))
     assert first.table["rival"].tolist() == ["cma-es", "random-search"]
     assert (first.finals, second.finals) == (0, 1)

@@ -12,11 +12,7 @@ def test_without_a_folder_for_numbas_cache_the_loop_is_compiled_nevertheless():
 
 
 def test_an_array_of_another_layout_is_refused_and_not_misread():
-    second = compiled(_second, "float64(float64[::1])")
+    second = compiled(lambda values: values[1], "float64(float64[::1])")
     assert second(np.arange(2.0)) == 1.0
     with pytest.raises(TypeError):
         second(np.arange(4.0)[::2])
-
-
-def _second(values):
-    return values[1]

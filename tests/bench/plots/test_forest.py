@@ -1,5 +1,3 @@
-"""Forests: intervals, points and rows."""
-
 import numpy as np
 import pandas as pd
 

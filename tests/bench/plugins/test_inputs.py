@@ -112,27 +112,22 @@ def test_data_are_what_is_no_code(name, expected):
 
 LATE = """
 import json, sys
+import numpy as np
 from bench import FunctionProblem, Objective
 from bench.plugins.observing import observe, observed, reading
-import numpy as np
-
-def late(x):
-    return x.sum(axis=1) + len(open(sys.argv[1]).read())
-
 observe()
 with reading("problem", "p"):
-    problem = FunctionProblem(late, [0], [1], vectorized=True)
+    problem = FunctionProblem(lambda x: x[:, 0] + len(open(sys.argv[1]).read()), [0], [1], vectorized=True)
 with reading("optimizer", "o"):
     open(sys.argv[2]).close()
     Objective(problem, 5, np.random.default_rng(0))([0.5])
-found = {part: [name for read in owners.values() for name in read["files"]] for part, owners in observed().items()}
-print(json.dumps(found))
+print(json.dumps({part: [*read[""]["files"]] for part, read in observed().items()}))
 """
 
 
 def test_what_a_problem_reads_while_it_is_evaluated_is_an_input_of_the_problem(tmp_path):
-    (tmp_path / "data.txt").write_text("1")
-    (tmp_path / "late.py").write_text(LATE)
     files = [str(tmp_path / name) for name in ("data.txt", "late.py")]
+    for file in files:
+        (tmp_path / file).write_text(LATE)
     done = subprocess.run([sys.executable, files[1], *files], capture_output=True, text=True, check=True)
     assert json.loads(done.stdout) == {"problem": files[:1], "optimizer": files[1:]}

@@ -65,8 +65,9 @@ def test_a_csv_file_has_a_point_in_each_line(tmp_path):
 def test_names_over_the_columns_of_a_file_say_which_variables_they_are(tmp_path):
     (tmp_path / "designs.csv").write_text("x2,x1\n1,2\n3,4\n")
     problem = {"name": "classical-sphere-d2-i1", "initial": str(tmp_path / "designs.csv")}
-    study = Study.from_dict({"name": "s", "problems": [problem], "optimizers": ["gwo"]})
-    (tmp_path / "s.toml").write_text(study.to_toml())
+    (tmp_path / "s.toml").write_text(
+        Study.from_dict({"name": "s", "problems": [problem], "optimizers": ["gwo"]}).to_toml()
+    )
     found = Study.load(tmp_path / "s.toml").problem("classical-sphere-d2-i1").initial_points
     assert found.tolist() == [[2.0, 1.0], [4.0, 3.0]]
 

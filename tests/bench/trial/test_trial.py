@@ -1,6 +1,8 @@
 """One trial: how it ends, what its result holds, and its row in the store."""
 
 import os
+import subprocess
+import sys
 from dataclasses import dataclass
 from math import inf, nan
 
@@ -38,15 +40,6 @@ class Drawing(Optimizer):
             objective(objective.initial(self.points))
 
 
-class Holding(Drawing):
-    """Holds 40 MB while it draws."""
-
-    def minimize(self, objective, rng):
-        held = np.ones(5_000_000)
-        objective(objective.initial(4))
-        objective(objective.initial(6) + 0 * held[0])
-
-
 @pytest.mark.parametrize(
     ("optimizer", "stop", "nfev"),
     [
@@ -72,17 +65,26 @@ def test_times_are_those_of_the_search(monkeypatch):
     assert (found.wall_s, found.cpu_s, found.objective_s, found.overhead_s, found.time) == (7.0, 3.0, 2.5, 4.5, 7.0)
 
 
+FORKED = """
+import os
+import numpy as np
+from bench import FunctionProblem
+from bench.trial.trial import search
+class Holding:
+    def minimize(self, objective, rng):
+        objective(objective.initial(10) + 0 * np.ones(5_000_000)[0])  # 40 MB
+np.ones(8_000_000)  # 64 MB, which are free again when the process is forked
+if not os.fork():
+    print(search(FunctionProblem(np.ravel, [0], [1], vectorized=True), Holding(), 10, 0).memory_mb, flush=True)
+    os._exit(0)
+os.wait()
+"""
+
+
 @pytest.mark.skipif(not hasattr(os, "fork"), reason="processes are forked on POSIX alone")
 def test_the_memory_of_a_trial_is_that_of_its_own_process_and_not_what_its_parent_once_had():
-    held = np.ones(8_000_000)  # 64 MB, which are free again when the process is forked
-    del held
-    reader, writer = os.pipe()
-    child = os.fork()
-    if not child:
-        os.write(writer, repr(search(SPHERE, Holding(), 10, seed=0).memory_mb).encode())
-        os._exit(0)
-    os.waitpid(child, 0)
-    assert 35 < float(os.read(reader, 100)) < 64
+    done = subprocess.run([sys.executable, "-c", FORKED], capture_output=True, text=True, check=True)
+    assert 35 < float(done.stdout) < 64
 
 
 def raises_beyond(limit):

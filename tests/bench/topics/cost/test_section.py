@@ -1,5 +1,3 @@
-"""The section on cost: one table, one sentence."""
-
 import pytest
 
 from bench import Results
