@@ -256,7 +256,7 @@ def test_a_run_by_solve_goes_on_after_an_interruption(tmp_path):
     with pytest.raises(KeyboardInterrupt) as interrupted:
         solve(problem, "cma-es", on_evaluation=tired, output=tmp_path / "out", **settings)
     assert len(lines(count)) == 24  # whole generations
-    so_far = interrupted.value.args[0]
+    so_far = interrupted.value.found
     assert (so_far.nfev, so_far.stop) == (24, "interrupted")
     assert so_far.fun == function(so_far.x)
     count.write_text("x\n" * 24)
