@@ -47,7 +47,7 @@ from bench.trial.trial import Trial
 LOADING = 300.0  # seconds for loading plug-ins, for a warm-up, and for evaluating a point
 WARMING = 20.0  # least seconds of a warm-up, in which code may be compiled, where a trial may take fewer
 PRINTED = 1_000_000  # bytes that a trial may print: they are discarded, but writing them takes time from other trials
-KEPT = 32  # warmed-up optimizers of a job at most; more are warmed up again when their turn comes
+KEPT = 64  # warmed-up optimizers of a job at most; more are warmed up again when their turn comes
 WORTH = 50.0  # times the seconds of its start: a process is replaced once its trials have taken longer
 TIMEOUT, MEMORY = 600.0, 4_000_000_000  # wall seconds and bytes of a trial of code that nobody trusts, unless given
 BATCHES = 100.0  # times the seconds of a trial, which has evaluated at least one point: more than its point takes again
