@@ -58,8 +58,8 @@ class Optimizer(ABC):
         unmapped: one sentence for each feature of another library's algorithm that its adapter cannot reproduce.
         libraries: the distributions whose versions decide its trials, besides the package of the class, such as
             ``("cma",)`` for a wrapper of pycma.
-        invariances: the changes of a problem under which a run is the same, or has the same law: some of
-            "translation", "scale", "monotone", "budget", "order" and "rotation", which ``bench check`` tests.
+        invariances: the changes of a problem under which a run is the same: some of "translation", "scale", "monotone"
+            and "budget", which ``bench check`` tests.
     """
 
     bibtex: ClassVar[str] = ""
