@@ -12,7 +12,7 @@ from bench.check.conformance.problem_subject import ProblemSubject
 from bench.check.conformance.rules import RULES, find_rule
 from bench.check.conformance.subject import Subject
 from tests.bench.check import faulty, faulty_problems, unrepeatable
-from tests.bench.check.conformance.examine import ALL, failures
+from tests.bench.check.conformance.examine import ALL, expect_broken
 
 HURRIED = {faulty.Hanging: 8.0, faulty.Stuck: 2.0}  # seconds, where the check would take all its time
 
@@ -105,9 +105,7 @@ def test_what_hangs_crashes_or_spoils_its_process_costs_its_own_check_alone(opti
     rules = [replace(rule, seconds=seconds) if rule.name == check else rule for rule in RULES]
     with closing(Checker(Subject(optimizer))) as checker:
         found = {verdict.check: verdict for verdict in filter(None, map(checker.verdict, rules))}
-    assert [verdict.check for verdict in failures(found)] == [check]
-    assert finding in found[check].finding
-    assert remedy in found[check].remedy
+    expect_broken(found, check, finding, remedy)
     assert found.keys() == ({"parameters", "run"} if check == "run" else ALL)
 
 

@@ -23,10 +23,9 @@ def failures(found):
     return [verdict for verdict in found.values() if not verdict.passed]
 
 
-def expect_broken(optimizer, rule, finding, remedy):
-    """Assert that the optimizer breaks this rule alone, with a finding and advice that hold these words."""
-    found = failures(verdicts(optimizer))
-    assert [verdict.check for verdict in found] == [rule]
-    assert finding in found[0].finding
-    assert remedy in found[0].remedy
-    assert "\n" not in found[0].finding
+def expect_broken(found, rule, finding, remedy):
+    """Assert that of these verdicts by rule this one alone failed, with a finding and advice that hold these words."""
+    assert [verdict.check for verdict in failures(found)] == [rule]
+    assert finding in found[rule].finding
+    assert remedy in found[rule].remedy
+    assert "\n" not in found[rule].finding

@@ -9,7 +9,7 @@ from bench.check.conformance.problem_subject import ProblemSubject
 from bench.check.conformance.recording import ViolationError
 from bench.check.conformance.rules import PROBLEM_RULES, find_rule
 from tests.bench.check import faulty_problems as faulty
-from tests.bench.check.conformance.examine import InThisProcess, failures
+from tests.bench.check.conformance.examine import InThisProcess, expect_broken, failures
 
 HERE = [rule for rule in PROBLEM_RULES if rule.name != "processes"]
 
@@ -79,10 +79,7 @@ FAULTS = [
 @pytest.mark.parametrize(("problem", "rule", "finding", "remedy"), FAULTS, ids=[case[0].__name__ for case in FAULTS])
 def test_a_fault_breaks_its_rule_and_says_how_to_mend_it(problem, rule, finding, remedy, tmp_path, monkeypatch):
     monkeypatch.chdir(tmp_path)
-    broken = failures(verdicts(problem))
-    assert [verdict.check for verdict in broken] == [rule]
-    assert finding in broken[0].finding
-    assert remedy in broken[0].remedy
+    expect_broken(verdicts(problem), rule, finding, remedy)
 
 
 def test_a_matrix_product_that_rounds_one_row_otherwise_is_called_rounding():
