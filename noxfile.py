@@ -28,7 +28,7 @@ def group(name: str) -> list[str]:
 def run_tests(session: nox.Session, *arguments: str) -> None:
     """Run pytest on every core, in the order of tests/conftest.py."""
     cores = len(os.sched_getaffinity(0)) if hasattr(os, "sched_getaffinity") else os.cpu_count() or 1
-    workers = str(cores + 1)  # a third of the time tests wait for processes that they start
+    workers = str(cores + 2)  # tests wait for processes that they start
     together = ("-n", workers, "--dist", "loadfile", "--no-loadscope-reorder")
     session.run("python", "-m", "pytest", *together, *arguments, *session.posargs)
 
