@@ -166,10 +166,10 @@ def run(
     require_jobs("the number of jobs", n_jobs)
     with interrupts_deferred() as interrupts, ExitStack() as held:
         with interrupts.allowed():  # loading plug-ins or reaching a cluster may take long
+            pool = held.enter_context(_pool(backend, n_jobs, scheduler))
             asked = resolved(study, output, shard, untrusted, reuse, verify, timeout, memory)
             if asked.others:
                 selected(asked)  # what cannot be reused is refused before anything is written
-            pool = held.enter_context(_pool(backend, n_jobs, scheduler))
         folder, under_way = asked.folder, held.enter_context(asked.folder.lock())
         chosen = taken(selected(asked))
         plan = planned(chosen, at_a_time(chosen.study, pool.jobs, backend))

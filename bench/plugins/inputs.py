@@ -185,13 +185,13 @@ def _is_text(item: object) -> bool:
 
 def _counts(top: str, packages: Mapping[str, str]) -> bool:
     """Return whether a module counts: not those that this package requires, nor what these brought in."""
-    left = dict(packages)
+    chain, left = list[str](), dict(packages)
     while top:
-        name = _distribution(top)
-        if not name or canonicalize_name(name) in _environment():
-            return False
+        chain.append(top)
         top = left.pop(top, "")  # also where packages read each other
-    return True
+    # What brought the others in comes first: its name is as a rule its distribution's, which is quick to find.
+    names = map(_distribution, reversed(chain))
+    return all(name and canonicalize_name(name) not in _environment() for name in names)
 
 
 def _distribution(top: str) -> str:

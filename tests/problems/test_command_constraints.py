@@ -83,6 +83,7 @@ def test_points_that_fail_are_infeasible_and_are_run_once(counted):
     assert len(count.read_text().splitlines()) == 3
 
 
+@pytest.mark.slow
 def test_trials_of_such_a_program_repeat(counted, tmp_path):
     study = {
         "name": "s", "trials": 1, "budget": 12, "on_error": "worst", "optimizers": ["cma-es"],

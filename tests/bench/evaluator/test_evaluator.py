@@ -139,6 +139,7 @@ def f(objective, rng):
     assert set(found.frame["nfev"]) == {60}
 
 
+@pytest.mark.slow
 def test_an_endless_candidate_ends_at_the_time_limit():
     with Evaluator(TRAIN[0], budget=20, timeout=0.5, n_jobs=1, sandbox=False) as judge:
         judge(FUNCTION)

@@ -98,8 +98,7 @@ def test_a_run_that_is_killed_goes_on_where_it_was(night, tmp_path):
     run(study, tmp_path / "whole", n_jobs=1, verify=False)
     points = sorted(lines(count)[: 2 * 30])  # and the best point of each trial once more
     count.unlink()
-    for after in (15, 40):
-        killed(study, tmp_path / "out", count, after)
+    killed(study, tmp_path / "out", count, 25)
     (line,) = interrupted(Folder(tmp_path / "out"))
     assert line.endswith("of 1 interrupted trial are in the journal: 'bench run' goes on from there")
     outcome = run(study, tmp_path / "out", n_jobs=1, verify=False)
@@ -108,7 +107,7 @@ def test_a_run_that_is_killed_goes_on_where_it_was(night, tmp_path):
     assert outcome.journal["dropped"] == 0
     same(load_results(tmp_path / "out"), load_results(tmp_path / "whole"))
     twice = len(lines(count)) - 2 * 30 - 2
-    assert 0 <= twice <= 2 * (2 + 1)  # what was under way at each kill: parallel = 2, and a best point
+    assert 0 <= twice <= 2 + 1  # what was under way: parallel = 2, and a best point
     assert {*points} <= {*lines(count)}
 
 
@@ -127,6 +126,7 @@ def test_the_story_of_a_simulator_that_crashes_and_hangs(night, tmp_path):
     assert sum(len(records) for _, records in journals(tmp_path / "out")) == 2 * 30
 
 
+@pytest.mark.slow
 def test_a_simulator_that_changed_answers_anew(night, tmp_path):
     study, count = night(simulator=SIMULATOR.replace("1.5 < x < 1.7", "False"))
     killed(study, tmp_path / "out", count, 15)
