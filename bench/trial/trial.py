@@ -154,7 +154,8 @@ def search(
     except (Exception, SystemExit):
         if objective.raised is None:
             raise
-    wall, cpu, memory = perf_counter() - wall, process_time() - cpu, peak_memory() - memory
+    wall, cpu = perf_counter() - wall, process_time() - cpu
+    memory = max(0.0, peak_memory() - memory)  # Linux counts pages core by core, and may report less than it did before
     found = result(objective, seed, wall, cpu, memory, returned)
     if interrupt is not None:
         vars(interrupt)["found"] = found

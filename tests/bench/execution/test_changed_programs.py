@@ -42,15 +42,10 @@ class Program:
     options: dict = field(default_factory=dict)
 
 
-def sim(text):
-    """Return a simulator in the shell: it is given a point, and prints its value."""
-    return f"{text}\n"
-
-
 BOX = {"lower": [0, 0], "upper": [1, 1]}
 CAT = 'cat "$(dirname "$0")/'
 PROBLEMS = {
-    "script": Program(("sh", "a.sh"), {"a.sh": sim("echo 1")}, {"a.sh": sim("echo 2")}, "a.sh"),
+    "script": Program(("sh", "a.sh"), {"a.sh": "echo 1"}, {"a.sh": "echo 2"}, "a.sh"),
     "comment that a shell reads": Program(("sh", "a.sh"), {"a.sh": "echo 1"}, {"a.sh": "echo 1 # x"}, "a.sh"),
     "executable": Program(("./a.sh",), {"a.sh": "#!/bin/sh\necho 1\n"}, {"a.sh": "#!/bin/sh\necho 2\n"}, "a.sh"),
     "word that is a file": Program(("sh", "-c", 'cat "$0"', "v.txt"), {"v.txt": "1"}, {"v.txt": "2"}, "v.txt"),

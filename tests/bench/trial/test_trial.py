@@ -5,6 +5,7 @@ import subprocess
 import sys
 from dataclasses import dataclass
 from math import inf, nan
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
@@ -85,6 +86,13 @@ os.wait()
 def test_the_memory_of_a_trial_is_that_of_its_own_process_and_not_what_its_parent_once_had():
     done = subprocess.run([sys.executable, "-c", FORKED], capture_output=True, text=True, check=True)
     assert 35 < float(done.stdout) < 64
+
+
+@pytest.mark.skipif(sys.platform == "win32", reason="Windows counts memory in another way")
+def test_no_memory_is_negative_where_the_system_reports_less_than_before(monkeypatch):
+    peaks = iter([2000, 1872])  # kB, as Linux 6.18 did on a busy machine
+    monkeypatch.setattr("resource.getrusage", lambda who: SimpleNamespace(ru_maxrss=next(peaks)))
+    assert search(SPHERE, Drawing(3), 10, 0).memory_mb == 0
 
 
 def raises_beyond(limit):
