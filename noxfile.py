@@ -11,6 +11,7 @@ from pathlib import Path
 import nox
 
 nox.options.default_venv_backend = "uv|venv"  # uv, where it is installed, is ten times as fast as pip
+os.environ["UV_COMPILE_BYTECODE"] = "1"  # as pip does: else each of the first processes compiles what it imports
 nox.options.reuse_existing_virtualenvs = True
 nox.options.error_on_missing_interpreters = False  # without uv, which gets missing ones, they are skipped
 nox.options.sessions = ["lint", "types", "tests"]
