@@ -39,7 +39,7 @@ print((x - 1) ** 2 + y**2, 0.2 - y)
 """
 STUDY = """
 name = "night"
-trials = 1
+trials = 2
 budget = 30
 on_error = "worst"
 journal = true
@@ -51,9 +51,6 @@ label = "simulator"
 lower = [0, 0]
 upper = [2, 1]
 violations = 1
-[[optimizers]]
-name = "random-search"
-agents = 10
 [[optimizers]]
 name = "cma-es"
 """
@@ -105,6 +102,7 @@ def test_a_run_that_is_killed_goes_on_where_it_was(night, tmp_path):
     assert [*interrupted(Folder(tmp_path / "out"))] == []
     assert outcome.journal["replayed"] > 0
     assert outcome.journal["dropped"] == 0
+    assert [len(records) for _, records in journals(tmp_path / "out")] == [30, 30]
     same(load_results(tmp_path / "out"), load_results(tmp_path / "whole"))
     twice = len(lines(count)) - 2 * 30 - 2
     assert 0 <= twice <= 2 + 1  # what was under way: parallel = 2, and a best point
