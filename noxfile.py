@@ -97,7 +97,7 @@ def workflows(session: nox.Session) -> None:
 def benchmark(session: nox.Session) -> None:
     """Reproduce the thesis's comparison, check it, and write its report; arguments after -- go to 'bench run'."""
     session.install("-e", ".")
-    # Without bytecode files, which uv does not write, each of the run's processes would take seconds to start.
+    # Without bytecode files of this package, which uv does not write, each of the run's processes would compile it.
     command = "bench", "run", "thesis", "--check", "--verify", "1", *session.posargs
     session.run(*command, env={"PYTHONDONTWRITEBYTECODE": ""})
 

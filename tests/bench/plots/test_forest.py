@@ -1,3 +1,5 @@
+"""Forests: intervals, points and rows."""
+
 import numpy as np
 import pandas as pd
 

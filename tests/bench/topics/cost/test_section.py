@@ -1,3 +1,5 @@
+"""The section on cost: one table, one sentence."""
+
 import pytest
 
 from bench import Results
