@@ -27,13 +27,17 @@ class RefusedError(RuntimeError):
 
 @dataclass(frozen=True)
 class Box:
-    """The box of a problem, in which an answer must lie: variables, (d,) bounds and integer flags, known points."""
+    """The box of a problem, in which an answer must lie: variables, (d,) bounds and integer flags, known points.
+
+    ``expected`` states whether one of its metrics has a value that is expected.
+    """
 
     variables: tuple[str, ...]
     lower: Floats
     upper: Floats
     integer: Flags
     initial: Floats | None = None
+    expected: bool = False
 
     @classmethod
     def of(cls, described: Any) -> Box:
@@ -52,7 +56,7 @@ class Box:
         named = all(isinstance(name, str) for name in variables)
         if not named or lower.ndim != 1 or not lower.shape == upper.shape == integer.shape:
             raise RefusedError("its problem's bounds cannot be read")
-        return cls(variables, lower, upper, integer, initial)
+        return cls(variables, lower, upper, integer, initial, described.get("expected") is True)
 
     def holds(self, x: Floats) -> bool:
         """Return whether the (d,) point lies in the box."""

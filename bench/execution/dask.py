@@ -22,7 +22,7 @@ from uuid import uuid4
 from bench.execution.dask_worker import LOOK, work
 from bench.execution.job import Task
 from bench.execution.local import Answer, Missing, OnBegin
-from bench.execution.supervisor import KilledError, WorkerDiedError
+from bench.execution.supervisor import KilledError, Loaded, WorkerDiedError, check
 from bench.helpers.errors import BenchError, require
 from bench.storage import provenance
 from bench.trial.trial import Trial
@@ -65,7 +65,7 @@ def cluster(scheduler: str) -> Iterator[Cluster]:
 class Cluster:
     """The workers of a cluster, used as :class:`bench.execution.local.Local` is; they began with ``jobs`` threads."""
 
-    share = None  # of memory: the workers have limits of their own
+    _task: Task  # what was loaded
 
     def __init__(self, client: Any, scheduler: str, jobs: int) -> None:
         self._client, self._scheduler, self.jobs = client, scheduler, jobs
@@ -73,7 +73,13 @@ class Cluster:
         self._seen = monotonic()  # when the cluster had workers
         self._next_look = 0.0
 
-    def answers(self, task: Task, machine: str, on_begin: OnBegin | None, missing: Missing) -> Iterator[Answer]:
+    def load(self, task: Task, *, shared: bool = False) -> Loaded:
+        """Load all plug-ins of a study in this machine; the workers have limits of memory of their own."""
+        del shared
+        self._task = task
+        return check(task)
+
+    def answers(self, on_begin: OnBegin | None, missing: Missing) -> Iterator[Answer]:
         """Yield answers; see :meth:`bench.execution.local.Local.answers`.
 
         A lost worker costs only time: dask begins its trials again elsewhere. When dask gives a trial up, having lost
@@ -82,11 +88,11 @@ class Cluster:
         from distributed import KilledWorker
         from distributed.comm import CommClosedError
 
-        del machine, on_begin  # the workers have machines of their own, and do not say what they begin
+        del on_begin  # the workers do not say what they begin
         deaths = 0
         while True:
             try:
-                with closing(self._made(task, iter(missing()))) as made:
+                with closing(self._made(iter(missing()))) as made:
                     for answer in made:
                         deaths = 0
                         yield answer
@@ -106,14 +112,14 @@ class Cluster:
                 _refuse_other_versions(self._client)
                 raise
 
-    def _made(self, task: Task, trials: Iterator[Trial]) -> Generator[Answer]:
+    def _made(self, trials: Iterator[Trial]) -> Generator[Answer]:
         """Yield answers until there are no more trials; raise the first error of a worker."""
         client, name, pending = self._client, uuid4().hex, dict[Any, Trial]()
         ended: SimpleQueue[Any] = SimpleQueue()
         try:
             while True:
                 for trial in islice(trials, max(0, self._queued - len(pending))):
-                    future = client.submit(work, name, task, trial, key=f"bench-{uuid4().hex}", pure=False)
+                    future = client.submit(work, name, self._task, trial, key=f"bench-{uuid4().hex}", pure=False)
                     pending[future] = trial
                     future.add_done_callback(ended.put)
                 if not pending:

@@ -4,12 +4,13 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterable, Iterator
 from contextlib import AbstractContextManager
+from dataclasses import replace
 from threading import Lock
 
 from joblib import effective_n_jobs
 
 from bench.execution.job import KEPT, Task
-from bench.execution.supervisor import Supervisor
+from bench.execution.supervisor import Loaded, Supervisor
 from bench.helpers.errors import BenchError
 from bench.helpers.parallel import side_by_side
 from bench.storage import provenance
@@ -33,20 +34,23 @@ RESERVE = 64  # for all else: the store, figures, modules that are imported
 class Local(AbstractContextManager["Local"]):
     """A context of ``n_jobs`` supervisors of processes, which are kept for further trials of its task.
 
-    ``supervise`` makes one of a task.
+    ``supervise`` makes one of a task. The study is loaded by the first of them, which then makes trials.
 
     Attributes:
         jobs: their number.
-        share: the bytes of the machine's memory for each.
+        share: the bytes of the machine's memory for a trial of each.
 
     Raises:
         BenchError: where the system allows too few open files.
     """
 
+    _task: Task  # what was loaded, and the record of the machine that loaded it
+    _machine: str
+
     def __init__(self, n_jobs: int, supervise: Callable[[Task], Supervisor] = Supervisor) -> None:
         self._supervise = supervise
         self.jobs = effective_n_jobs(n_jobs)
-        self.share: int | None = int(SHARE * provenance.memory() / self.jobs)
+        self.share = int(SHARE * provenance.memory() / self.jobs)
         require_files(self.jobs)
         self._supervisors: list[Supervisor] = []
 
@@ -58,18 +62,33 @@ class Local(AbstractContextManager["Local"]):
             supervisor.kill()
         self._supervisors = []
 
-    def answers(self, task: Task, machine: str, on_begin: OnBegin | None, missing: Missing) -> Iterator[Answer]:
-        """Return each missing trial with its row and its machine's record as they finish, in any order.
+    def load(self, task: Task, *, shared: bool = False) -> Loaded:
+        """Load all plug-ins of a study; see :meth:`bench.execution.supervisor.Supervisor.load`.
 
         Args:
             task: what all trials have in common.
-            machine: the record (JSON) of this machine.
+            shared: whether a trial is limited to its share of the machine's memory, if not to less.
+        """
+        if shared:
+            limits = [limit for limit in (task.memory, self.share) if limit]
+            task = replace(task, memory=min(limits, default=None))
+        self._task = task
+        loaded = self._started()[0].load()
+        self._machine = loaded.machine
+        return loaded
+
+    def _started(self) -> list[Supervisor]:
+        self._supervisors = self._supervisors or [self._supervise(self._task) for _ in range(self.jobs)]
+        return self._supervisors
+
+    def answers(self, on_begin: OnBegin | None, missing: Missing) -> Iterator[Answer]:
+        """Return each missing trial of the study that was loaded, with its row and its machine's record, in any order.
+
+        Args:
             on_begin: called with the number of a job and the trial that it begins, by one thread at a time.
             missing: returns the trials that are not finished at the moment they are reached.
         """
-        if not self._supervisors:
-            self._supervisors = [self._supervise(task) for _ in range(self.jobs)]
-        idle, turn = [*enumerate(self._supervisors)], Lock()
+        idle, turn = [*enumerate(self._started())], Lock()
 
         def make(trial: Trial) -> Answer:
             job, supervisor = idle.pop()  # there is one for each thread
@@ -77,7 +96,7 @@ class Local(AbstractContextManager["Local"]):
                 if on_begin is not None:
                     with turn:
                         on_begin(job, trial)
-                return trial, supervisor.make(trial), machine
+                return trial, supervisor.make(trial), self._machine
             finally:
                 idle.append((job, supervisor))
 

@@ -167,7 +167,8 @@ def run(
     with interrupts_deferred() as interrupts, ExitStack() as held:
         with interrupts.allowed():  # loading plug-ins or reaching a cluster may take long
             pool = held.enter_context(_pool(backend, n_jobs, scheduler))
-            asked = resolved(study, output, shard, untrusted, reuse, verify, timeout, memory)
+            load = partial(pool.load, shared=memory is None)
+            asked = resolved(study, output, shard, untrusted, reuse, verify, timeout, memory, load)
             if asked.others:
                 selected(asked)  # what cannot be reused is refused before anything is written
         folder, under_way = asked.folder, held.enter_context(asked.folder.lock())
@@ -179,11 +180,7 @@ def run(
         for listener in (display.plan if display else None, on_plan):
             if listener is not None:
                 listener(plan)
-        task = chosen.task
-        if memory is None:  # a job has its share, and code that nobody trusts no more than its limit
-            limits = [limit for limit in (task.memory, pool.share) if limit]
-            task = replace(task, memory=min(limits, default=None))
-        make = partial(pool.answers, task, chosen.loaded.machine, under_way.begin)
+        make = partial(pool.answers, under_way.begin)
         with interrupts.allowed():
             doubts = doubtful(plan, folder, make)
         plan.doubtful.update(trial.key[:2] for trial in doubts)
@@ -224,8 +221,9 @@ def resolved(
     verify: bool = False,
     timeout: float | None = None,
     memory: float | None = None,
+    load: Callable[[Task], Loaded] = check,
 ) -> Chosen:
-    """Return a study with its folder, once its plug-ins are loaded; the arguments are those of :func:`run`.
+    """Return a study with its folder, once its plug-ins are loaded; other arguments than ``load`` are those of `run`.
 
     Raises:
         BenchError: for a study that cannot be run, or not without a sandbox, and folders that cannot be reused.
@@ -253,7 +251,7 @@ def resolved(
     known = large(folder.store.held().made.values())
     limits = {"timeout": timeout, "memory": None if memory is None else int(memory * 1e9)}
     task = Task.of(study, untrusted=untrusted, output=str(folder.path.absolute()), known=known, **limits)
-    return Chosen(folder, part, task, check(task), verify, others)
+    return Chosen(folder, part, task, load(task), verify, others)
 
 
 def selected(chosen: Chosen) -> Chosen:

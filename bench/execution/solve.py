@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import warnings
 from collections.abc import Callable, Sequence
-from contextlib import suppress
+from contextlib import closing, suppress
 from copy import copy
 from dataclasses import replace
 from os import PathLike
@@ -22,7 +22,7 @@ from bench.contract.typing import Options
 from bench.execution.job import Task
 from bench.execution.journal import DROPPED, Journal
 from bench.execution.side_by_side import evaluated
-from bench.execution.supervisor import check, make_one
+from bench.execution.supervisor import Supervisor
 from bench.execution.warming import warm_optimizer, warm_problem
 from bench.helpers.errors import BenchError
 from bench.helpers.parsing import JsonObject
@@ -166,5 +166,6 @@ def solve_untrusted(problem: Options, optimizer: Options, *, seed: int, **settin
     lists = {"problems": [problem], "optimizers": [optimizer]}
     study = Study.from_dict({"name": "solve", "trials": 1} | lists | settings, "of this command")
     trial = Trial(study.problems[0].label, study.optimizers[0].label, 0, seed)
-    check(task := Task.of(study, untrusted=True))
-    return make_one(task, trial)
+    with closing(Supervisor(Task.of(study, untrusted=True))) as supervisor:
+        supervisor.load()
+        return supervisor.make(trial)

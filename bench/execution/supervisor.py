@@ -8,17 +8,15 @@ import threading
 from collections.abc import Callable
 from contextlib import closing, suppress
 from dataclasses import dataclass
-from typing import Any
+from functools import reduce
 
 from bench.execution import answers, trial_process
-from bench.execution.answers import RefusedError
-from bench.execution.job import LOADING, Job, Task, root
+from bench.execution.answers import Box, RefusedError
+from bench.execution.job import LOADING, Job, Task
 from bench.helpers.errors import PROBLEM_FAILED, BenchError
-from bench.helpers.parsing import JsonObject
 from bench.helpers.text import printable
 from bench.plugins.inputs import Present
 from bench.plugins.packing import Objects
-from bench.sandbox.forks import ForkServer
 from bench.sandbox.process import (
     FAILURES,
     DiedError,
@@ -30,6 +28,7 @@ from bench.sandbox.process import (
 )
 from bench.sandbox.server import STILL_ASKING, UNANSWERABLE
 from bench.storage import provenance
+from bench.study import Study
 from bench.study.descriptions import Description, Descriptions, describe, read
 from bench.trial.columns import Row
 from bench.trial.trial import Trial
@@ -61,64 +60,44 @@ class WorkerDiedError(RuntimeError):
 
 
 def check(task: Task) -> Loaded:
-    """Load all plug-ins of a study, the optimizers of each package in their own copy.
-
-    So no module's code can change what is found of another one.
-
-    Raises:
-        BenchError: for the first name, parameter, recording or budget that cannot work, or for plug-ins that hang or
-            crash while they are loaded.
-    """
-    doing = "loading the study's problems and optimizers"
-    for left in reversed(range(CHECKS)):
-        try:
-            with root(task) as server:
-                return _loaded_in_forks(server, task)
-        except BenchError:
-            raise
-        except TimeExceededError as error:
-            raise BenchError(
-                f"{doing} takes more than {error}; try each with 'bench solve' to find which hangs"
-            ) from error
-        except (DiedError, RemoteError, LostError) as error:
-            if not (left and is_killed(error)):
-                raise BenchError(f"{doing} failed: {error}") from error
-        except (AttributeError, KeyError, TypeError, ValueError) as error:
-            raise BenchError(f"{doing} failed: a plug-in answered in place of the harness") from error
-    raise AssertionError("the last loss is raised")
+    """Load all plug-ins of a study once; see :meth:`Supervisor.load`."""
+    with closing(Supervisor(task)) as supervisor:
+        return supervisor.load()
 
 
-def _loaded_in_forks(first: ForkServer, task: Task) -> Loaded:
-    """Load the problems, then side by side the optimizers of each package in a fork of their process.
+def _loaded(job: Job, study: Study) -> Loaded:
+    """Load the problems, then side by side the optimizers of each package in a fork of a process of problems.
 
     Raises:
         BenchError: for the first plug-in that fails.
         Exception: for answers of another form, which plug-in code wrote in place of the harness.
     """
+    boxes: dict[str, Box] = {}
+    for entry in study.problems:
+        box = job.box(entry.label)
+        if isinstance(box, str):
+            raise BenchError(box.removeprefix(PROBLEM_FAILED))
+        boxes[entry.label] = box
+    dimensions = {label: len(box.lower) for label, box in boxes.items()}
+    study.require_problems(dimensions, expected=any(box.expected for box in boxes.values()))
 
-    def sound(answer: Any) -> JsonObject:
-        if "error" in answer:
-            raise BenchError(printable(str(answer["error"]), 4000))
-        return dict(answer)
-
-    problems = first.branch()  # so that the parent of the process in which plug-ins run is not this one
-    study = task.study
-    answer = sound(problems.call(trial_process.check_problems, seconds=LOADING))
-    modules = {entry.label: dict(answer["modules"]) for entry in study.problems}
-    dimensions = {entry.label: int(answer["dimensions"][entry.label]) for entry in study.problems}
-    machine = dict(answer["machine"])
-    packages = [(labels, problems.process()) for labels in study.packages().values()]
+    packages = [(labels, job.checker()) for labels in study.packages().values()]
     for labels, process in packages:
         process.start(trial_process.check_optimizers, labels, dimensions)
+    found = job.loaded()
     for labels, process in packages:
-        answer = sound(process.finish(seconds=LOADING))
-        machine = provenance.united(machine, dict(answer["machine"]))
-        modules |= {label: dict(answer["modules"]) for label in labels}
+        answer = process.finish(seconds=LOADING)
+        if "error" in answer:
+            raise BenchError(printable(str(answer["error"]), 4000))
+        found |= dict.fromkeys(labels, answer)
+    machine = reduce(provenance.united, (dict(answer["machine"]) for answer in found.values()))
+    modules = {label: dict(answer["modules"]) for label, answer in found.items()}
 
     described = {entry.label: Description() for entry in study.optimizers}
     for labels, process in packages:
         with suppress(LostError, *FAILURES):  # a plug-in may print anything of itself, and end its process
             described |= read(process.call(describe, study, labels, seconds=DESCRIBING), labels)
+        process.close()
     return Loaded(dimensions, Present(modules), json.dumps(machine), described)
 
 
@@ -156,6 +135,35 @@ class Supervisor:
             self._killed = True
             if self._job is not None:
                 self._job.kill()
+
+    def load(self) -> Loaded:
+        """Load all plug-ins of the study; what holds its problems is kept for the trials.
+
+        The optimizers of each package are loaded in a process of their own, so that no module's code can change what is
+        found of another one.
+
+        Raises:
+            BenchError: for the first name, parameter, recording or budget that cannot work, or for plug-ins that hang
+                or crash while they are loaded.
+            KilledError: after :meth:`kill`.
+        """
+        doing = "loading the study's problems and optimizers"
+        for left in reversed(range(CHECKS)):
+            try:
+                return _loaded(self._started(), self._task.study)
+            except BenchError:
+                raise
+            except TimeExceededError as error:
+                raise BenchError(
+                    f"{doing} takes more than {error}; try each with 'bench solve' to find which hangs"
+                ) from error
+            except (DiedError, RemoteError, LostError) as error:
+                self.close()
+                if not (left and is_killed(error)):
+                    raise BenchError(f"{doing} failed: {error}") from error
+            except (AttributeError, KeyError, RefusedError, TypeError, ValueError) as error:
+                raise BenchError(f"{doing} failed: a plug-in answered in place of the harness") from error
+        raise AssertionError("the last loss is raised")
 
     def make(self, trial: Trial, held: Objects | None = None) -> Row:
         """Have a trial made; return its row, whether it finishes, fails or times out.

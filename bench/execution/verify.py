@@ -12,8 +12,10 @@ from joblib import cpu_count
 
 from bench.contract.numbers import require_whole
 from bench.execution.again import by_the_clock, made_again
+from bench.execution.job import Task
 from bench.execution.local import Answer, Local, Missing
 from bench.execution.runner import resolved
+from bench.execution.supervisor import Loaded
 from bench.helpers.console import OnStep
 from bench.helpers.errors import BenchError
 from bench.sandbox.server import FORKS
@@ -84,8 +86,6 @@ def verify(
     folder = Folder(path)
     study = folder.study()
     store = folder.require_sound()
-    found = resolved(study, path, untrusted=untrusted)
-    folder.require_unchanged(study, found.loaded.dimensions, found.loaded.present)
     chosen = _chosen(folder, study, trials)
     first = {trial.optimizer: trial for trial in reversed(chosen)}
     planned = [*first.values(), *(trial for trial in chosen if trial not in first.values()), *first.values()]
@@ -93,10 +93,15 @@ def verify(
     n_jobs = n_jobs or (cores + 1 if noted[-1:] == [cores] else cores)  # other than the last run's, and no core idle
     late: dict[Trial, str] = {}
     with Local(n_jobs) as pool:
-        task = replace(found.task, hash_seed=HASH_SEED, apart=FORKS)
+
+        def load(task: Task) -> Loaded:
+            return pool.load(replace(task, hash_seed=HASH_SEED, apart=FORKS))
+
+        found = resolved(study, path, untrusted=untrusted, load=load).loaded
+        folder.require_unchanged(study, found.dimensions, found.present)
 
         def make(missing: Missing) -> Iterator[Answer]:
-            answers = pool.answers(task, found.loaded.machine, None, missing)
+            answers = pool.answers(None, missing)
             for made, (trial, row, machine) in enumerate(answers, start=1):
                 if row["status"] == "timeout":
                     late[trial] = str(row["error"])

@@ -6,7 +6,8 @@ import pytest
 
 from bench.execution.job import Task
 from bench.execution.local import Local
-from bench.execution.supervisor import KilledError
+from bench.execution.supervisor import KilledError, Loaded
+from bench.plugins.inputs import Present
 
 
 class Supervisor:
@@ -14,6 +15,9 @@ class Supervisor:
 
     def __init__(self, task):
         self._killed = threading.Event()
+
+    def load(self):
+        return Loaded({}, Present(), "machine", {})
 
     def make(self, trial):
         if trial == 13:
@@ -31,8 +35,14 @@ class Supervisor:
 
 @pytest.fixture
 def local(small_study):
-    before, task = set(threading.enumerate()), Task(small_study)
-    yield lambda jobs, missing, on_begin=None: Local(jobs, Supervisor).answers(task, "machine", on_begin, missing)
+    before = set(threading.enumerate())
+
+    def made(jobs, missing, on_begin=None):
+        pool = Local(jobs, Supervisor)
+        pool.load(Task(small_study))
+        return pool.answers(on_begin, missing)
+
+    yield made
     for thread in set(threading.enumerate()) - before:
         thread.join(10.0)
         assert not thread.is_alive()
