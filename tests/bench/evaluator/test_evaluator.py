@@ -176,6 +176,7 @@ def test_problems_of_train_are_not_held_out():
         judge.final(FUNCTION)
 
 
+@pytest.mark.slow
 def test_an_optimum_that_is_unknown_or_beaten_is_said():
     unknown = FunctionProblem(lambda x: x[0] ** 2, [-1.0], [1.0], name="unknown")
     beaten = FunctionProblem(lambda x: x[0] ** 2, [-1.0], [1.0], name="beaten", optimum=5.0)

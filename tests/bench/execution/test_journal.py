@@ -39,6 +39,7 @@ print((x - 1) ** 2 + y**2, 0.2 - y)
 """
 STUDY = """
 name = "night"
+seed = 2
 trials = 2
 budget = 30
 on_error = "worst"
@@ -52,7 +53,8 @@ lower = [0, 0]
 upper = [2, 1]
 violations = 1
 [[optimizers]]
-name = "cma-es"
+name = "gwo"
+agents = 6
 """
 
 

@@ -100,12 +100,12 @@ def test_a_function_that_ends_its_run_at_once_says_why():
 def test_a_study_ends_its_trials_at_a_target_and_they_repeat(tmp_path):
     study = {
         "name": "goal", "trials": 2, "budget": 2000, "final_target": 1e-2,
-        "problems": ["classical-sphere-d2-i1"], "optimizers": ["cma-es", "random-search"],
+        "problems": ["classical-sphere-d2-i1"], "optimizers": [{"name": "gwo", "agents": 6}, "random-search"],
     }  # fmt: skip
     run(study, tmp_path, n_jobs=1, verify=False)
     frame = load_results(tmp_path).set_index("optimizer")
-    assert set(frame["stop"]["cma-es"]) == {"target"}
-    assert (frame["precision"]["cma-es"] <= 1e-2).all()
-    assert (frame["nfev"]["cma-es"] < 500).all()
+    assert set(frame["stop"]["gwo"]) == {"target"}
+    assert (frame["precision"]["gwo"] <= 1e-2).all()
+    assert (frame["nfev"]["gwo"] < 500).all()
     verified = verify(tmp_path, n_jobs=1)
     assert (verified.trials, verified.different) == (4, {})

@@ -94,7 +94,7 @@ def test_points_that_cannot_be_are_one_sentence(initial, sentence, tmp_path, mon
 
 def test_a_study_begins_with_them_and_its_trials_repeat_apart(tmp_path):
     problem = {"name": "classical-sphere-d2-i1", "initial": KNOWN}
-    optimizers = ["cma-es", {"name": "scipy:direct"}]
+    optimizers = [{"name": "gwo", "agents": 6}, {"name": "scipy:direct"}]
     study = Study.from_dict({"name": "s", "trials": 1, "budget": 40, "problems": [problem], "optimizers": optimizers})
     (tmp_path / "s.toml").write_text(study.to_toml())
     assert Study.load(tmp_path / "s.toml") == study

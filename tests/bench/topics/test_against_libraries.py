@@ -16,7 +16,7 @@ STUDY = {
     "budget": 150,
     "targets": "precisions",
     "problems": [{"name": "engineering-spring"}, {"name": "classical-sphere-d2-i1"}],  # the first has failed trials
-    "optimizers": [{"name": "gwo", "agents": 10}, {"name": "random-search"}, {"name": "cma-es"}],
+    "optimizers": [{"name": "gwo", "agents": 10}, {"name": "random-search"}, {"name": "cma-es-fast"}],
 }
 
 
