@@ -4,8 +4,7 @@ import numpy as np
 import pytest
 
 import bench
-from bench import BenchError, FunctionProblem, StopRun, Study, load_results, run, solve
-from bench.execution.verify import verify
+from bench import BenchError, FunctionProblem, StopRun, Study, solve
 
 
 def sphere(x):
@@ -95,17 +94,3 @@ def test_a_function_that_ends_its_run_at_once_says_why():
 
     with pytest.raises(RuntimeError, match="without a single evaluation; it was stopped: no licence"):
         solve(bench.FunctionProblem(function, [-2], [2], vectorized=False), walk, budget=30)
-
-
-def test_a_study_ends_its_trials_at_a_target_and_they_repeat(tmp_path):
-    study = {
-        "name": "goal", "trials": 2, "budget": 2000, "final_target": 1e-2,
-        "problems": ["classical-sphere-d2-i1"], "optimizers": [{"name": "gwo", "agents": 6}, "random-search"],
-    }  # fmt: skip
-    run(study, tmp_path, n_jobs=1, verify=False)
-    frame = load_results(tmp_path).set_index("optimizer")
-    assert set(frame["stop"]["gwo"]) == {"target"}
-    assert (frame["precision"]["gwo"] <= 1e-2).all()
-    assert (frame["nfev"]["gwo"] < 500).all()
-    verified = verify(tmp_path, n_jobs=1)
-    assert (verified.trials, verified.different) == (4, {})

@@ -92,15 +92,17 @@ def test_points_that_cannot_be_are_one_sentence(initial, sentence, tmp_path, mon
     assert sentence in str(caught.value)
 
 
-def test_a_study_begins_with_them_and_its_trials_repeat_apart(tmp_path):
+def test_a_study_begins_with_them_ends_at_a_target_and_its_trials_repeat_apart(tmp_path):
     problem = {"name": "classical-sphere-d2-i1", "initial": KNOWN}
     optimizers = [{"name": "gwo", "agents": 6}, {"name": "scipy:direct"}]
-    study = Study.from_dict({"name": "s", "trials": 1, "budget": 40, "problems": [problem], "optimizers": optimizers})
+    settings = {"name": "s", "trials": 1, "budget": 400, "final_target": 1e-2, "optimizers": optimizers}
+    study = Study.from_dict(settings | {"problems": [problem]})
     (tmp_path / "s.toml").write_text(study.to_toml())
     assert Study.load(tmp_path / "s.toml") == study
     outcome = run(study, tmp_path / "out", n_jobs=1, verify=False)
     assert outcome.unasked == ["scipy:direct"]
-    assert (load_results(tmp_path / "out")["status"] == "ok").all()
+    frame = load_results(tmp_path / "out")
+    assert set(frame["stop"]) == {"target"}
+    assert (frame["precision"] <= 1e-2).all()
     assert verify(tmp_path / "out", n_jobs=1).different == {}
-    plain = {"name": "s", "trials": 1, "budget": 40, "problems": [problem["name"]], "optimizers": optimizers}
-    assert Study.from_dict(plain).identity() != study.identity()
+    assert Study.from_dict(settings | {"problems": [problem["name"]]}).identity() != study.identity()
