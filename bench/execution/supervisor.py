@@ -76,7 +76,7 @@ def _loaded(job: Job, study: Study) -> Loaded:
     for entry in study.problems:
         box = job.box(entry.label)
         if isinstance(box, str):
-            raise BenchError(box.removeprefix(PROBLEM_FAILED))
+            raise BenchError(box.removeprefix(PROBLEM_FAILED).partition("\n")[0])
         boxes[entry.label] = box
     dimensions = {label: len(box.lower) for label, box in boxes.items()}
     study.require_problems(dimensions, expected=any(box.expected for box in boxes.values()))
@@ -157,10 +157,11 @@ class Supervisor:
                 raise BenchError(
                     f"{doing} takes more than {error}; try each with 'bench solve' to find which hangs"
                 ) from error
-            except (DiedError, RemoteError, LostError) as error:
+            except (LostError, *FAILURES) as error:
                 self.close()
                 if not (left and is_killed(error)):
-                    raise BenchError(f"{doing} failed: {error}") from error
+                    limit = " (--memory)" if isinstance(error, MemoryExceededError) else ""
+                    raise BenchError(f"{doing} failed: {error}{limit}") from error
             except (AttributeError, KeyError, RefusedError, TypeError, ValueError) as error:
                 raise BenchError(f"{doing} failed: a plug-in answered in place of the harness") from error
         raise AssertionError("the last loss is raised")

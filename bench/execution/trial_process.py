@@ -91,7 +91,7 @@ def load_problem(label: str) -> JsonObject | str:
     except BenchError as error:
         return PROBLEM_FAILED + str(error)
     except BaseException as error:
-        return PROBLEM_FAILED + _failure(error)
+        return f"{PROBLEM_FAILED}problem {label!r} cannot be read: {_failure(error)}"
     finally:
         _settle()
 

@@ -30,8 +30,6 @@ class Supervisor:
     def kill(self):
         self._killed.set()
 
-    close = kill
-
 
 @pytest.fixture
 def local(small_study):
