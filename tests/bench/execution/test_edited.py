@@ -59,6 +59,7 @@ def test_an_edit_costs_no_trial_is_named_and_mixes_no_two_codes(study, tmp_path)
     assert all(len(values) == 1 for values in values_by_version(tmp_path / "out"))
 
 
+@pytest.mark.slow
 def test_data_that_change_before_a_process_loads_them_make_another_version(tmp_path):
     def record(frequency):
         t = np.arange(1000) * 0.002
