@@ -27,17 +27,13 @@ class RefusedError(RuntimeError):
 
 @dataclass(frozen=True)
 class Box:
-    """The box of a problem, in which an answer must lie: variables, (d,) bounds and integer flags, known points.
-
-    ``expected`` states whether one of its metrics has a value that is expected.
-    """
+    """The box of a problem, in which an answer must lie: variables, (d,) bounds and integer flags, known points."""
 
     variables: tuple[str, ...]
     lower: Floats
     upper: Floats
     integer: Flags
     initial: Floats | None = None
-    expected: bool = False
 
     @classmethod
     def of(cls, described: Any) -> Box:
@@ -56,7 +52,7 @@ class Box:
         named = all(isinstance(name, str) for name in variables)
         if not named or lower.ndim != 1 or not lower.shape == upper.shape == integer.shape:
             raise RefusedError("its problem's bounds cannot be read")
-        return cls(variables, lower, upper, integer, initial, described.get("expected") is True)
+        return cls(variables, lower, upper, integer, initial)
 
     def holds(self, x: Floats) -> bool:
         """Return whether the (d,) point lies in the box."""

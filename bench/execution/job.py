@@ -93,9 +93,14 @@ class Job:
     """A job's processes; one thread uses them, and any may :meth:`kill` them.
 
     All methods raise what :meth:`bench.sandbox.process.Process.call` raises.
+
+    Args:
+        task: what all trials have in common.
+        first: the root of its processes; None for a new one.
+        checked: a branch of it that has loaded all problems, which are of one family; None for none.
     """
 
-    def __init__(self, task: Task) -> None:
+    def __init__(self, task: Task, first: ForkServer | None = None, checked: ForkServer | None = None) -> None:
         self._task, study = task, task.study
         self._limits: dict[str, Any] = {"seconds": task.timeout, "memory": task.memory}  # of a trial
         self._loading = self._limits | {"seconds": LOADING}
@@ -104,16 +109,14 @@ class Job:
         self.doing = ""  # beside the trial itself, for messages
         self._families = {entry.label: loading.family(entry.name) for entry in study.problems}
         self._packages = {entry.label: loading.package(entry.name) for entry in study.optimizers}
-        self._root = root(task)
-        self._alone = self._root
-        if task.apart:
-            self._alone = root(task, without_problems=True).after(apart.hide_problems, seconds=LOADING)
+        self._root = first or root(task)
+        self._checked = checked
+        self._alone = root(task, without_problems=True) if task.apart else self._root
         self._boxes: dict[str, Box | str] = {}
         self._read: dict[str, dict[str, Observed]] = {}  # what processes have read, by its digest
         self._inputs: dict[tuple[str, str, str], str] = {}  # of it as JSON, by problem and optimizer
         self._named = {entry.label: named_by(entry) for entry in (*study.problems, *study.optimizers)}
         self._problems: dict[str, ForkServer] = {}  # one for all problems of a family that can be loaded together
-        self._warm: set[str] = set()  # problems that are ready for trials
         self._loaded: dict[tuple[ForkServer, str], ForkServer] = {}  # by the problems and the package of the optimizers
         self._ready: OrderedDict[tuple[ForkServer, str], _Ready] = OrderedDict()  # by the problems and the optimizer
 
@@ -127,24 +130,10 @@ class Job:
         self._with_problem(problem)
         return self._boxes[problem]
 
-    def loaded(self) -> dict[str, Any]:
-        """Return what :func:`bench.execution.trial_process.loaded` does beside each problem that is loaded, by label.
-
-        It is not to be believed.
-        """
-        servers = dict.fromkeys(self._problems.values())
-        found = {server: server.call(trial_process.loaded, seconds=LOADING) for server in servers}
-        return {label: found[server] for label, server in self._problems.items()}
-
-    def checker(self) -> Process:
-        """Return a process in which optimizers may be loaded, beside problems, for its user to close."""
-        return self._with_problem(self._task.study.problems[0].label).process()
-
     def prepare(self, trial: Trial) -> _Ready:
         """Load and warm up what a trial needs, by a short trial on a stand-in for the problem, unless that is done."""
         problem, optimizer = trial.problem, trial.optimizer
-        warm = self._with_warm_problem(problem)
-        problems = self._alone if self._task.apart else warm
+        problems = self._alone if self._task.apart else self._with_problem(problem)
         ready = self._ready.pop((problems, optimizer), None)
         if ready is None:
             ready = _Ready(self._with_optimizer(problems, optimizer).branch())
@@ -234,28 +223,13 @@ class Job:
     def _with_problem(self, problem: str) -> ForkServer:
         """Return the server of processes that have loaded a problem, and the others of its family where they can."""
         if problem not in self._problems:
-            server = self._root.branch()
+            server, self._checked = self._checked or self._root.branch(), None
             self._load_problem(problem, server)
             for label, family in self._families.items():
                 if family == self._families[problem] and label not in self._problems:
                     with suppress(*FAILURES, RefusedError):  # it will be loaded alone
                         self._load_problem(label, server)
         return self._problems[problem]
-
-    def _with_warm_problem(self, problem: str) -> ForkServer:
-        """Return that server once the problem is warm, and so are the others there, before any optimizer is loaded."""
-        server = self._with_problem(problem)
-        if problem not in self._warm:
-            server.call(trial_process.warm_problem, problem, **self._loading)
-            self._warm.add(problem)
-            for label in [each for each, theirs in self._problems.items() if theirs is server]:
-                if label not in self._warm:
-                    try:
-                        server.call(trial_process.warm_problem, label, **self._loading)
-                        self._warm.add(label)
-                    except FAILURES:
-                        del self._problems[label]  # it will be loaded alone
-        return server
 
     def _load_problem(self, label: str, server: ForkServer) -> None:
         described = server.call(trial_process.load_problem, label, **self._loading)
@@ -268,6 +242,8 @@ class Job:
         server = self._loaded.get((problems, package))
         if server is None:
             server = self._loaded[problems, package] = problems.branch()
+        if self._task.apart:
+            server.ensure(apart.hide_problems, **self._loading)
         server.ensure(trial_process.load_optimizer, optimizer, **self._loading)
         return server
 

@@ -88,7 +88,7 @@ class Local(AbstractContextManager["Local"]):
             on_begin: called with the number of a job and the trial that it begins, by one thread at a time.
             missing: returns the trials that are not finished at the moment they are reached.
         """
-        idle, turn = [*enumerate(self._started())], Lock()
+        idle, turn = [*enumerate(self._started())][::-1], Lock()  # the first one has loaded the study
 
         def make(trial: Trial) -> Answer:
             job, supervisor = idle.pop()  # there is one for each thread

@@ -8,15 +8,18 @@ import threading
 from collections.abc import Callable
 from contextlib import closing, suppress
 from dataclasses import dataclass
-from functools import reduce
+from typing import Any
 
 from bench.execution import answers, trial_process
-from bench.execution.answers import Box, RefusedError
-from bench.execution.job import LOADING, Job, Task
+from bench.execution.answers import RefusedError
+from bench.execution.job import LOADING, Job, Task, root
 from bench.helpers.errors import PROBLEM_FAILED, BenchError
+from bench.helpers.parsing import JsonObject
 from bench.helpers.text import printable
 from bench.plugins.inputs import Present
+from bench.plugins.loading import family
 from bench.plugins.packing import Objects
+from bench.sandbox.forks import ForkServer
 from bench.sandbox.process import (
     FAILURES,
     DiedError,
@@ -65,33 +68,30 @@ def check(task: Task) -> Loaded:
         return supervisor.load()
 
 
-def _loaded(job: Job, study: Study) -> Loaded:
-    """Load the problems, then side by side the optimizers of each package in a fork of a process of problems.
+def _loaded_in_forks(problems: ForkServer, study: Study) -> Loaded:
+    """Load the problems, then side by side the optimizers of each package in a fork of their process.
 
     Raises:
         BenchError: for the first plug-in that fails.
         Exception: for answers of another form, which plug-in code wrote in place of the harness.
     """
-    boxes: dict[str, Box] = {}
-    for entry in study.problems:
-        box = job.box(entry.label)
-        if isinstance(box, str):
-            raise BenchError(box.removeprefix(PROBLEM_FAILED).partition("\n")[0])
-        boxes[entry.label] = box
-    dimensions = {label: len(box.lower) for label, box in boxes.items()}
-    study.require_problems(dimensions, expected=any(box.expected for box in boxes.values()))
 
-    packages = [(labels, job.checker()) for labels in study.packages().values()]
-    for labels, process in packages:
-        process.start(trial_process.check_optimizers, labels, dimensions)
-    found = job.loaded()
-    for labels, process in packages:
-        answer = process.finish(seconds=LOADING)
+    def sound(answer: Any) -> JsonObject:
         if "error" in answer:
             raise BenchError(printable(str(answer["error"]), 4000))
-        found |= dict.fromkeys(labels, answer)
-    machine = reduce(provenance.united, (dict(answer["machine"]) for answer in found.values()))
-    modules = {label: dict(answer["modules"]) for label, answer in found.items()}
+        return dict(answer)
+
+    answer = sound(problems.call(trial_process.check_problems, seconds=LOADING))
+    modules = {entry.label: dict(answer["modules"]) for entry in study.problems}
+    dimensions = {entry.label: int(answer["dimensions"][entry.label]) for entry in study.problems}
+    machine = dict(answer["machine"])
+    packages = [(labels, problems.process()) for labels in study.packages().values()]
+    for labels, process in packages:
+        process.start(trial_process.check_optimizers, labels, dimensions)
+    for labels, process in packages:
+        answer = sound(process.finish(seconds=LOADING))
+        machine = provenance.united(machine, dict(answer["machine"]))
+        modules |= {label: dict(answer["modules"]) for label in labels}
 
     described = {entry.label: Description() for entry in study.optimizers}
     for labels, process in packages:
@@ -117,53 +117,68 @@ class Supervisor:
     One thread uses it; any may end it by :meth:`kill`. ``start`` starts the processes of a task.
     """
 
-    def __init__(self, task: Task, start: Callable[[Task], Job] = Job) -> None:
+    def __init__(self, task: Task, start: Callable[..., Job] = Job) -> None:
         self._task, self._start = task, start
         self._lock, self._killed = threading.Lock(), False
         self._job: Job | None = None
+        self._first: ForkServer | None = None  # in which the study was loaded, until a job has it
+        self._checked: ForkServer | None = None
 
     def close(self) -> None:
         """End all processes; others are started for the next trial."""
         with self._lock:
-            job, self._job = self._job, None
-        if job is not None:
-            job.kill()
+            ended = self._job, self._first
+            self._job = self._first = self._checked = None
+        for each in ended:
+            if each is not None:
+                each.kill()
 
     def kill(self) -> None:
         """End all processes from another thread; a trial under way then ends with KilledError."""
         with self._lock:
             self._killed = True
-            if self._job is not None:
-                self._job.kill()
+            for each in (self._job, self._first):
+                if each is not None:
+                    each.kill()
 
     def load(self) -> Loaded:
-        """Load all plug-ins of the study; what holds its problems is kept for the trials.
+        """Load all plug-ins of the study, the optimizers of each package in their own copy.
 
-        The optimizers of each package are loaded in a process of their own, so that no module's code can change what is
-        found of another one.
+        So no module's code can change what is found of another one. The process that has loaded the problems is kept
+        for the trials where they are of one family, as a job keeps each family in a process.
 
         Raises:
             BenchError: for the first name, parameter, recording or budget that cannot work, or for plug-ins that hang
                 or crash while they are loaded.
             KilledError: after :meth:`kill`.
         """
-        doing = "loading the study's problems and optimizers"
+        doing, study = "loading the study's problems and optimizers", self._task.study
         for left in reversed(range(CHECKS)):
             try:
-                return _loaded(self._started(), self._task.study)
+                with self._lock:
+                    if self._killed:
+                        raise KilledError
+                    self._first = first = root(self._task)
+                problems = first.branch()  # so that the parent of what runs plug-ins is not this process
+                loaded = _loaded_in_forks(problems, study)
             except BenchError:
                 raise
             except TimeExceededError as error:
                 raise BenchError(
                     f"{doing} takes more than {error}; try each with 'bench solve' to find which hangs"
                 ) from error
-            except (LostError, *FAILURES) as error:
+            except (DiedError, RemoteError, LostError) as error:
                 self.close()
                 if not (left and is_killed(error)):
-                    limit = " (--memory)" if isinstance(error, MemoryExceededError) else ""
-                    raise BenchError(f"{doing} failed: {error}{limit}") from error
-            except (AttributeError, KeyError, RefusedError, TypeError, ValueError) as error:
+                    raise BenchError(f"{doing} failed: {error}") from error
+            except (AttributeError, KeyError, TypeError, ValueError) as error:
                 raise BenchError(f"{doing} failed: a plug-in answered in place of the harness") from error
+            else:
+                if len({family(entry.name) for entry in study.problems}) == 1:
+                    self._checked = problems
+                else:
+                    problems.close()
+                return loaded
         raise AssertionError("the last loss is raised")
 
     def make(self, trial: Trial, held: Objects | None = None) -> Row:
@@ -205,7 +220,8 @@ class Supervisor:
             if self._killed:
                 raise KilledError
             if self._job is None:
-                self._job = self._start(self._task)
+                self._job = self._start(self._task, self._first, self._checked)
+                self._first = self._checked = None
             return self._job
 
     def _made(self, trial: Trial, job: Job, held: Objects) -> Row:

@@ -18,10 +18,11 @@ from threadpoolctl import threadpool_limits
 from bench.contract.objective import integer_flags, scanner
 from bench.contract.problem import Problem
 from bench.contract.seeds import streams
-from bench.execution import apart, warming
+from bench.execution import apart
 from bench.execution.answers import Box
 from bench.execution.journal import Journal
 from bench.execution.side_by_side import evaluated, require_possible
+from bench.execution.warming import warm_optimizer, warm_problem
 from bench.helpers.errors import PROBLEM_FAILED, BenchError, ProblemError
 from bench.helpers.parsing import JsonObject
 from bench.helpers.text import printable
@@ -58,56 +59,67 @@ def hold(held: Objects) -> None:
     packing.held.update(held)
 
 
-def loaded() -> JsonObject:
-    """Return the record of this machine (:func:`bench.storage.provenance.machine`), and the files of its modules."""
-    return {"machine": provenance.machine(), "modules": observing.modules()}
+def check_problems() -> JsonObject:
+    """Load all problems; return their dimensions, the files of their modules and the machine.
+
+    The machine's record is that of :func:`bench.storage.provenance.machine`. Where one cannot be loaded, return a
+    sentence on why.
+    """
+
+    def load(label: str) -> Problem:
+        with reading("problem", label):
+            return _problem(label)
+
+    try:
+        with reading("problem"):
+            dimensions = _study.dimensions(load)
+            for label in dimensions:
+                require_possible(_problem(label), *_study.evaluation)
+        return {"dimensions": dimensions, "machine": provenance.machine(), "modules": observing.modules()}
+    except BenchError as error:
+        return {"error": printable(str(error), 4000)}
 
 
 def check_optimizers(labels: list[str], dimensions: dict[str, int]) -> JsonObject:
-    """Load the optimizers of one module; return what :func:`loaded` does, or a sentence on why one cannot be loaded."""
+    """Load the optimizers of one module; return the files of modules and the machine, as for problems."""
     try:
         with reading("optimizer"):
             _study.check_optimizers(labels, dimensions)
-        return loaded()
+        return {"machine": provenance.machine(), "modules": observing.modules()}
     except BenchError as error:
         return {"error": printable(str(error), 4000)}
 
 
 def load_problem(label: str) -> JsonObject | str:
-    """Load a problem; return its variables, bounds and so on, or the error of loading it or of what is asked of it."""
-    try:
-        with reading("problem", label):
-            problem = _problem(label)
-            require_possible(problem, *_study.evaluation)
-            _study.goal(problem)
-            return {
-                "variables": [str(name) for name in problem.variables],
-                "lower": [float(value) for value in problem.lower],
-                "upper": [float(value) for value in problem.upper],
-                "integer": integer_flags(problem).tolist(),
-                "initial": None if problem.initial_points is None else problem.initial_points.tolist(),
-                "expected": bool(problem.expected),
-            }
-    except BenchError as error:
-        return PROBLEM_FAILED + str(error)
-    except BaseException as error:
-        return f"{PROBLEM_FAILED}problem {label!r} cannot be read: {_failure(error)}"
-    finally:
-        _settle()
+    """Load a problem; return its variables, bounds and integer flags, or the error of loading it.
 
-
-def warm_problem(label: str) -> None:
-    """Load the loop of a problem's objective; evaluate one point of each kind of problem that compiles code.
-
-    So no copy waits for a compiler or holds compiled code alone. No other problem is evaluated, as that may take long,
-    but for the call by which a function is found to take one point or many.
+    One point of each kind of problem that compiles code is evaluated, so that no copy waits for a compiler or holds
+    compiled code alone; no other problem is evaluated, as that may take long, but for the call by which a function is
+    found to take one point or many.
     """
-    with contextlib.suppress(BaseException), reading("problem", label):  # the trials will report it
-        problem = _problem(label)
-        kind = type(problem.unscored)
-        warming.warm_problem(problem, _study.evaluations(problem.dimension), evaluated=kind not in _warm)
-        _warm.add(kind)
+    with reading("problem", label):
+        described = _load_problem(label)
     _settle()
+    return described
+
+
+def _load_problem(label: str) -> JsonObject | str:
+    try:
+        problem = _problem(label)
+        described = {
+            "variables": [str(name) for name in problem.variables],
+            "lower": [float(value) for value in problem.lower],
+            "upper": [float(value) for value in problem.upper],
+            "integer": integer_flags(problem).tolist(),
+            "initial": None if problem.initial_points is None else problem.initial_points.tolist(),
+        }
+    except BaseException as error:  # only its own trials fail
+        return PROBLEM_FAILED + _failure(error)
+    with contextlib.suppress(BaseException):  # the trials will report it
+        kind = type(problem.unscored)
+        warm_problem(problem, _study.evaluations(problem.dimension), evaluated=kind not in _warm)
+        _warm.add(kind)
+    return described
 
 
 def load_optimizer(label: str) -> None:
@@ -131,7 +143,7 @@ def warm_up(optimizer: str, box: Box) -> bool:
         is_warm = optimizer in _warm
         _warm.add(optimizer)
         if not is_warm:
-            warming.warm_optimizer(_study.optimizer(optimizer), box.lower, box.upper, box.integer, budget)
+            warm_optimizer(_study.optimizer(optimizer), box.lower, box.upper, box.integer, budget)
         scanner(budget, len(box.lower))
         if is_warm:
             return False

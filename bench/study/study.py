@@ -6,7 +6,7 @@ import dataclasses
 import json
 import os
 import re
-from collections.abc import Iterable, Iterator, Mapping
+from collections.abc import Callable, Iterable, Iterator, Mapping
 from copy import deepcopy
 from dataclasses import dataclass
 from functools import partial
@@ -255,26 +255,26 @@ class Study:
             raise BenchError(f"study {self.name!r} has no {kind} {label!r}{nearest(label, by_label)}")
         return by_label[label]
 
-    def require_problems(self, dimensions: Mapping[str, int], *, expected: bool) -> None:
-        """Raise BenchError for a budget that has no evaluation in a dimension, and for targets that no problem has.
-
-        Args:
-            dimensions: those of the problems, by label.
-            expected: whether one of them has an expected metric.
-        """
-        if self.targets is not None:
-            self.targets.require_metric(expected)
-        self._least(dimensions)
-
-    def check_optimizers(self, labels: Iterable[str], dimensions: Mapping[str, int]) -> None:
-        """Load these optimizers, and check the budget against the largest generation.
-
-        Args:
-            labels: of the optimizers.
-            dimensions: those of the problems, by label.
+    def dimensions(self, load: Callable[[str], Problem] | None = None) -> dict[str, int]:
+        """Load every problem, by ``load`` with its label; return their dimensions by label.
 
         Raises:
-            BenchError: for the first name, parameter or budget that cannot work.
+            BenchError: for the first name, option, recording or budget that cannot work, and for targets that no
+                problem has.
+        """
+        problems = {entry.label: (load or self.problem)(entry.label) for entry in self.problems}
+        if self.targets is not None:
+            self.targets.require_metric(any(problem.expected for problem in problems.values()))
+        for problem in problems.values():
+            self.goal(problem)
+        dimensions = {label: problem.dimension for label, problem in problems.items()}
+        self._least(dimensions)
+        return dimensions
+
+    def check_optimizers(self, labels: Iterable[str], dimensions: Mapping[str, int]) -> None:
+        """Load these optimizers, and check the budget against the largest generation; raises likewise.
+
+        ``dimensions`` are those of the problems, by label.
         """
         least = self._least(dimensions)
         for label in labels:

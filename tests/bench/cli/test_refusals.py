@@ -53,7 +53,6 @@ REFUSED = [
     ("run quick --backend local --scheduler tcp://localhost:1", "no other backend takes one"),
     ("run quick --timeout -3", "the timeout of a trial must be a positive number of seconds"),
     ("run quick --memory nan", "the memory of a trial must be a positive number of gigabytes"),
-    ("run quick --memory .01 -o no", "of memory, where 10 MB are allowed (--memory)"),
     ("run quick --shard 3", "as in 3/20"),
     ("run quick --output /proc/nothing/here", "the output folder /proc/nothing/here cannot be written"),
     ("solve sphere-2 scatter --budget lots", "--budget must be a whole number from 1 to 1e+15"),

@@ -88,7 +88,7 @@ def test_points_that_cannot_be_are_one_sentence(initial, sentence, tmp_path, mon
     monkeypatch.chdir(tmp_path)
     problem = {"name": "classical-sphere-d2-i1", "initial": initial}
     with pytest.raises(BenchError) as caught:
-        Study.from_dict({"name": "s", "problems": [problem], "optimizers": ["gwo"]}).problem(problem["name"])
+        Study.from_dict({"name": "s", "problems": [problem], "optimizers": ["gwo"]}).dimensions()
     assert sentence in str(caught.value)
 
 

@@ -53,7 +53,7 @@ def test_without_the_files_problems_are_named_and_planned_but_not_loaded(monkeyp
     study = Study.load("published")
     assert {trial.problem for trial in study.plan()} == {f"published-{level:02d}" for level in range(3, 14)}
     with pytest.raises(BenchError, match=r"Speeddata3.xlsx is not in .*; get it with 'bench data fetch'$"):
-        study.problem("published-03")
+        study.dimensions()
     with pytest.raises(BenchError, match=r"Data_with_Noise_11.zip is not in"):
         load_problem("published:high-11-02")
     with pytest.raises(BenchError, match="has no option 'units'"):
