@@ -95,9 +95,8 @@ def _loaded_in_forks(problems: ForkServer, study: Study) -> Loaded:
 
     described = {entry.label: Description() for entry in study.optimizers}
     for labels, process in packages:
-        with suppress(LostError, *FAILURES):  # a plug-in may print anything of itself, and end its process
+        with suppress(LostError, *FAILURES), process:  # a plug-in may print anything of itself, and end its process
             described |= read(process.call(describe, study, labels, seconds=DESCRIBING), labels)
-        process.close()
     return Loaded(dimensions, Present(modules), json.dumps(machine), described)
 
 
