@@ -331,6 +331,7 @@ def test_the_package_that_a_file_imports_from_beside_it_can_be_read_there(tmp_pa
         assert process.call(eval, script, seconds=60.0) == "WORD = 'read'"
 
 
+@pytest.mark.slow
 @needed
 def test_numba_reads_there_what_was_compiled_outside_and_writes_beside_it(tmp_path, monkeypatch):
     (tmp_path / "mine.py").write_text("from numba import njit\n@njit(cache=True)\ndef twice(x):\n    return 2 * x\n")
