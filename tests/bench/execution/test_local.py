@@ -8,6 +8,7 @@ from bench.execution.job import Task
 from bench.execution.local import Local
 from bench.execution.supervisor import KilledError, Loaded
 from bench.plugins.inputs import Present
+from bench.storage.provenance import memory
 
 
 class Supervisor:
@@ -51,6 +52,7 @@ class TestLocal:
     def test_every_trial_is_answered_once_with_the_machine(self, local, jobs):
         begun = []
         answers = list(local(jobs, lambda: range(10), lambda *each: begun.append(each)))
+        assert Local(jobs).share == pytest.approx(0.9 * memory() / jobs, rel=1e-6)
         assert sorted(trial for _, trial in begun) == list(range(10))
         assert {job for job, _ in begun} <= set(range(jobs))
         assert sorted(answers, key=lambda each: each[0]) == [(i, {"fun": i}, "machine") for i in range(10)]
