@@ -97,7 +97,7 @@ class Job:
     Args:
         task: what all trials have in common.
         first: the root of its processes; None for a new one.
-        checked: a branch of it that has loaded all problems, which are of one family; None for none.
+        checked: a branch of it that has loaded all problems, of use where they are of one family; None for none.
     """
 
     def __init__(self, task: Task, first: ForkServer | None = None, checked: ForkServer | None = None) -> None:
@@ -111,6 +111,9 @@ class Job:
         self._packages = {entry.label: loading.package(entry.name) for entry in study.optimizers}
         self._root = first or root(task)
         self._checked = checked
+        if checked is not None and len({*self._families.values()}) > 1:
+            checked.close()
+            self._checked = None
         self._alone = root(task, without_problems=True) if task.apart else self._root
         self._boxes: dict[str, Box | str] = {}
         self._read: dict[str, dict[str, Observed]] = {}  # what processes have read, by its digest

@@ -70,8 +70,7 @@ class Local(AbstractContextManager["Local"]):
             shared: whether a trial is limited to its share of the machine's memory, if not to less.
         """
         if shared:
-            limits = [limit for limit in (task.memory, self.share) if limit]
-            task = replace(task, memory=min(limits, default=None))
+            task = replace(task, memory=min(task.memory or self.share, self.share))
         self._task = task
         loaded = self._started()[0].load()
         self._machine = loaded.machine

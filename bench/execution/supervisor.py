@@ -17,7 +17,6 @@ from bench.helpers.errors import PROBLEM_FAILED, BenchError
 from bench.helpers.parsing import JsonObject
 from bench.helpers.text import printable
 from bench.plugins.inputs import Present
-from bench.plugins.loading import family
 from bench.plugins.packing import Objects
 from bench.sandbox.forks import ForkServer
 from bench.sandbox.process import (
@@ -120,7 +119,7 @@ class Supervisor:
         self._task, self._start = task, start
         self._lock, self._killed = threading.Lock(), False
         self._job: Job | None = None
-        self._first: ForkServer | None = None  # in which the study was loaded, until a job has it
+        self._first: ForkServer | None = None  # the root of what has loaded the study, until a job has both
         self._checked: ForkServer | None = None
 
     def close(self) -> None:
@@ -144,7 +143,7 @@ class Supervisor:
         """Load all plug-ins of the study, the optimizers of each package in their own copy.
 
         So no module's code can change what is found of another one. The process that has loaded the problems is kept
-        for the trials where they are of one family, as a job keeps each family in a process.
+        for the job that makes the trials.
 
         Raises:
             BenchError: for the first name, parameter, recording or budget that cannot work, or for plug-ins that hang
@@ -158,8 +157,8 @@ class Supervisor:
                     if self._killed:
                         raise KilledError
                     self._first = first = root(self._task)
-                problems = first.branch()  # so that the parent of what runs plug-ins is not this process
-                loaded = _loaded_in_forks(problems, study)
+                self._checked = first.branch()  # so that the parent of what runs plug-ins is not this process
+                return _loaded_in_forks(self._checked, study)
             except BenchError:
                 raise
             except TimeExceededError as error:
@@ -172,12 +171,6 @@ class Supervisor:
                     raise BenchError(f"{doing} failed: {error}") from error
             except (AttributeError, KeyError, TypeError, ValueError) as error:
                 raise BenchError(f"{doing} failed: a plug-in answered in place of the harness") from error
-            else:
-                if len({family(entry.name) for entry in study.problems}) == 1:
-                    self._checked = problems
-                else:
-                    problems.close()
-                return loaded
         raise AssertionError("the last loss is raised")
 
     def make(self, trial: Trial, held: Objects | None = None) -> Row:

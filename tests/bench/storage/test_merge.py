@@ -135,10 +135,10 @@ def test_verify_reports_what_is_not_repeated_and_compares_whole_courses(copied):
     blob[len(blob) // 2] ^= 1  # the last bit of the first value
     forge(store.path, f"UPDATE results SET trace = x'{blob.hex()}' WHERE trial = 2 AND cell = {SCATTER}")
     found = verify(place / "whole", trials=3, n_jobs=1)
-    assert {trial.key for trial in found.different} == {("sphere-2", "scatter", number) for number in (1, 2)}
     assert "16 of 18 trials" in found.sentence
-    assert any(line.startswith("different: scatter on sphere-2, trial 1: fun was ") for line in found.lines())
-    assert "another course, the same end" in found.different.values()
+    value, course = sorted(found.lines())
+    assert value.startswith("different: scatter on sphere-2, trial 1: fun was ")
+    assert course == "different: scatter on sphere-2, trial 2: another course, the same end"
 
 
 @pytest.mark.slow
