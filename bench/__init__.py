@@ -24,6 +24,7 @@ if TYPE_CHECKING:
     from bench.contract.optimizer import Optimizer, parameter
     from bench.contract.problem import FunctionProblem, Problem
     from bench.evaluator import Evaluator
+    from bench.execution.plan import Listener
     from bench.execution.runner import Outcome, run
     from bench.execution.solve import solve
     from bench.execution.supervisor import WorkerDiedError
@@ -43,6 +44,7 @@ __all__ = [
     "Evaluator",
     "FunctionProblem",
     "Grid",
+    "Listener",
     "Objective",
     "Optimizer",
     "Outcome",
@@ -80,6 +82,7 @@ _HOMES = {
         "contract.optimizer": "AskTell Optimizer parameter",
         "contract.problem": "FunctionProblem Problem",
         "evaluator": "Evaluator",
+        "execution.plan": "Listener",
         "execution.runner": "Outcome run",
         "execution.solve": "solve",
         "execution.supervisor": "WorkerDiedError",

@@ -17,8 +17,6 @@ OPTIONS, CALL = "the options of a command", "a call from Python, whose keywords 
 WIDE = {
     "bench/cli/run.py: command": OPTIONS,
     "bench/cli/solve.py: command": OPTIONS,
-    "bench/execution/runner.py: run": CALL,
-    "bench/execution/solve.py: solve": CALL,
     "problems/backlash/commands/estimate.py: estimate": OPTIONS,
     "problems/backlash/commands/simulate.py: simulate": OPTIONS,
 }
@@ -26,7 +24,6 @@ WIDE = {
 
 LARGE = {
     "bench/contract/problem.py: Problem": "the contract of problems",
-    "bench/study/study.py: Study": "the keys of a study's file",
     "bench/trial/columns.py: Measured": "the columns of a trial that a search fills in",
     "problems/backlash/joint/parameters.py: Joint": "the parameters of a joint's file",
 }

@@ -52,7 +52,7 @@ def run_shown(study: Study, output: Path | None, console: Console, **settings: A
 
     try:
         with interruptible(), Display(console) as display:
-            return run(study, output, on_plan=display.plan, on_trial=display.trial, **settings)
+            return run(study, output, progress=display, **settings)
     except WorkerDiedError as error:
         print_error(str(error))
         sys.exit(1)

@@ -116,7 +116,7 @@ def summary(folder: Folder) -> Group:
     if running := folder.running():
         left = planned * len(study.optimizers) - sum(cell.done for cell in cells)
         lines.append(Text(_progress(folder, running, left)))
-        lines += map(Text, under_way_lines(folder.path, study.parallel))
+        lines += map(Text, under_way_lines(folder.path, study.rules.parallel))
     else:
         lines += map(Text, interrupted(folder))
     return Group(*lines)

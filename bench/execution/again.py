@@ -102,13 +102,13 @@ def made_again(trials: Iterable[Trial], folder: Folder, study: Study, make: Make
 
 def is_expensive(row: Row, study: Study) -> bool:
     """Return whether an evaluation of a trial took so long that none is made that nobody asked for."""
-    return bool(row["objective_s"] * study.parallel >= EXPENSIVE * row["nfev"])
+    return bool(row["objective_s"] * study.rules.parallel >= EXPENSIVE * row["nfev"])
 
 
 def by_the_clock(row: Row, study: Study) -> bool:
     """Return whether a limit of time may have decided a trial: its own, or that of an evaluation, where any failed."""
     failed = row["status"] == "failed" or row.get("failures")
-    return row.get("stop") == OUT_OF_TIME or (study.evaluation_timeout is not None and bool(failed))
+    return row.get("stop") == OUT_OF_TIME or (study.rules.evaluation_timeout is not None and bool(failed))
 
 
 def _difference(folder: Folder, trial: Trial, row: Row) -> str:

@@ -14,6 +14,7 @@ from bench.storage.reading import Key
 from bench.storage.store import CellCounts
 from bench.study import Study
 from bench.study.cell import Labels
+from bench.trial.columns import Row
 from bench.trial.trial import Trial
 
 EXPENSIVE = 1.0
@@ -103,3 +104,13 @@ class Plan:
                 total += (planned - finished) * took
                 least[optimizer] = min(took, least.get(optimizer, took))
         return total + (sum(least.values()) if self.verify else 0.0)
+
+
+class Listener:
+    """What a run tells: a subclass hears what it overrides."""
+
+    def plan(self, plan: Plan) -> None:
+        """Hear the plan, once, before the first trial."""
+
+    def trial(self, trial: Trial, row: Row) -> None:
+        """Hear of a finished trial, with its row."""

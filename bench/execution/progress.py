@@ -14,7 +14,7 @@ from rich.text import Text
 
 from bench.contract.families import function_of
 from bench.execution.journal import best, under_way
-from bench.execution.plan import Plan
+from bench.execution.plan import Listener, Plan
 from bench.helpers.console import bars, duration, print_line
 from bench.helpers.text import count
 from bench.trial.columns import Row
@@ -37,7 +37,7 @@ class Within(ProgressColumn):
         return Text(f"under way: {trials}" if trials else "")
 
 
-class Display:
+class Display(Listener):
     """Displays the trials done, in total and per optimizer, and the time left."""
 
     def __init__(self, console: Console) -> None:
@@ -97,11 +97,13 @@ class Display:
         return done[""]
 
 
-def displayed(progress: bool | None) -> AbstractContextManager[Display | None]:
-    """Return a display of a run's progress, or of nothing; with None, a display in a notebook and nothing elsewhere."""
+def listening(progress: bool | Listener | None) -> AbstractContextManager[Listener]:
+    """Return a display of a run's progress, or a listener that hears in silence; with None, a display in a notebook."""
+    if isinstance(progress, Listener):
+        return nullcontext(progress)
     console = Console()
     wanted = console.is_jupyter if progress is None else progress
-    return Display(console) if wanted else nullcontext()
+    return Display(console) if wanted else nullcontext(Listener())
 
 
 def show_plan(plan: Plan, counts: Mapping[tuple[str, str], tuple[int, int]], console: Console) -> None:

@@ -18,7 +18,7 @@ from bench.execution.again import Repetition, doubtful
 from bench.execution.dask import Cluster, cluster
 from bench.execution.job import Task
 from bench.execution.local import Answer, Local
-from bench.execution.plan import Plan, Shard
+from bench.execution.plan import Listener, Plan, Shard
 from bench.execution.supervisor import Loaded, check
 from bench.helpers.console import duration
 from bench.helpers.errors import BenchError, nearest
@@ -32,13 +32,10 @@ from bench.storage.folder import DESCRIPTIONS, Folder, default_path, difference_
 from bench.storage.merge import Reusable, reusable, take
 from bench.storage.selection import Selection
 from bench.study import Study
-from bench.trial.columns import Row
-from bench.trial.trial import Trial
 
 BACKENDS = ("dask", "local")
 
 StudyLike = Study | Mapping[str, object] | str | PathLike[str]
-Listener = Callable[[Trial, Row], None]
 
 
 @dataclass
@@ -127,9 +124,7 @@ def run(
     untrusted: bool = False,
     verify: bool = True,
     reuse: Sequence[str | PathLike[str]] = (),
-    on_plan: Callable[[Plan], None] | None = None,
-    on_trial: Listener | None = None,
-    progress: bool | None = None,
+    progress: bool | Listener | None = None,
 ) -> Outcome:
     """Run every trial of a study that its folder lacks.
 
@@ -152,16 +147,15 @@ def run(
             differ (:mod:`bench.execution.again`).
         reuse: folders whose trials of equal cells are taken instead of being made again.
         shard: "3/20" for the third of twenty parts; each part is run into a folder of its own.
-        on_plan: called once with the plan, before the first trial.
-        on_trial: called with every finished trial and its row.
-        progress: whether to print the plan, the trials done and the failures; by default in a notebook only.
+        progress: whether to print the plan, the trials done and the failures; by default in a notebook only. A listener
+            gets the plan, before the first trial, and every finished trial with its row.
 
     Raises:
         BenchError: for a study that cannot be run or a folder that cannot take it.
         WorkerDiedError: when workers are killed several times in a row, or a cluster is lost.
         KeyboardInterrupt: on Ctrl-C, once what has finished is committed.
     """
-    from bench.execution.progress import displayed  # not at the top: it imports rich
+    from bench.execution.progress import listening  # not at the top: it imports rich
 
     require_jobs("the number of jobs", n_jobs)
     with interrupts_deferred() as interrupts, ExitStack() as held:
@@ -176,17 +170,15 @@ def run(
         plan = planned(chosen, at_a_time(chosen.study, pool.jobs, backend))
         limit = chosen.task.timeout
         about = provenance.run(plan.study, pool.jobs, backend, timeout=limit, shard=shard, untrusted=untrusted)
-        display = held.enter_context(displayed(progress))
-        for listener in (display.plan if display else None, on_plan):
-            if listener is not None:
-                listener(plan)
+        listener = held.enter_context(listening(progress))
+        listener.plan(plan)
         make = partial(pool.answers, under_way.begin)
         with interrupts.allowed():
             doubts = doubtful(plan, folder, make)
         plan.doubtful.update(trial.key[:2] for trial in doubts)
         outcome = Outcome(folder.path, doubtful=[difference_line(trial, what) for trial, what in doubts.items()])
-        repetition, show = Repetition(plan.study), display.trial if display else None
-        _commit(outcome, plan, folder, make(plan.missing), about, interrupts, repetition, show, on_trial)
+        repetition = Repetition(plan.study)
+        _commit(outcome, plan, folder, make(plan.missing), about, interrupts, repetition, listener)
         if not (counted := folder.store.check_count()).sound:
             raise BenchError(f"the store {folder.store.path} was changed while the run wrote to it: {counted.sentence}")
         folder.note(DESCRIPTIONS, {label: asdict(each) for label, each in chosen.loaded.descriptions.items()})
@@ -283,20 +275,20 @@ def taken(chosen: Chosen) -> Chosen:
 def planned(chosen: Chosen, beside: str = "") -> Plan:
     """Return the plan of a study in its folder; ``beside`` is a further note."""
     study, folder, selection = chosen.study, chosen.folder, chosen.selection
-    notes = [note for note in (*chosen.notes, beside) if note]
+    rules, notes = study.rules, [note for note in (*chosen.notes, beside) if note]
     if changed := folder.differences(provenance.machine()):
         notes.append(
             f"the trials in {folder.path} were made by another environment ({'; '.join(changed)}): new trials may "
             "differ in their last digits and their times; the report lists them separately"
         )
-    if study.time is not None:
+    if rules.time is not None:
         notes.append(
-            f"a trial ends after {duration(study.time)}, whatever it has evaluated by then: where that comes before "
+            f"a trial ends after {duration(rules.time)}, whatever it has evaluated by then: where that comes before "
             "the budget, it cannot be repeated bit by bit, and a faster or less busy machine gives other results"
         )
-    if study.evaluation_timeout is not None:
+    if rules.evaluation_timeout is not None:
         notes.append(
-            f"a point fails after {duration(study.evaluation_timeout)}: a trial in which one did depends on the "
+            f"a point fails after {duration(rules.evaluation_timeout)}: a trial in which one did depends on the "
             "machine and is not made again"
         )
     shown = selection.labels_in(folder.store.held())
@@ -317,7 +309,7 @@ def _commit(
     about: JsonObject,
     interrupts: Interrupts,
     repetition: Repetition,
-    *heard: Listener | None,
+    listener: Listener,
 ) -> None:
     """Commit the missing trials as they are made, and count them in the outcome."""
     numbers: dict[str, int] = {}  # of environments, by the machine's record
@@ -342,9 +334,7 @@ def _commit(
                     repetition.consider(trial, row, beside.get("after", 0))
                 plan.finished.add(trial.key)
                 outcome.made += 1
-                for listener in heard:
-                    if listener is not None:
-                        listener(trial, row)
+                listener.trial(trial, row)
         finally:
             answers.close()  # type: ignore[attr-defined]
             ended = provenance.now()
@@ -356,13 +346,11 @@ def _commit(
 
 def at_a_time(study: Study, jobs: int, backend: str = "local") -> str:
     """Return in a sentence how many evaluations are made at a time beside the cores there are; "" with one a job."""
-    if study.parallel == 1:
+    points = study.rules.parallel
+    if points == 1:
         return ""
     cores = f" on {count(int(cpu_count()), 'core')}" if backend == "local" else ""
-    return (
-        f"{count(jobs, 'job')} x {study.parallel} points in parallel: up to {jobs * study.parallel:,} evaluations at a "
-        f"time{cores}"
-    )
+    return f"{count(jobs, 'job')} x {points} points in parallel: up to {jobs * points:,} evaluations at a time{cores}"
 
 
 def _pool(backend: str, jobs: int, scheduler: str | None) -> AbstractContextManager[Local | Cluster]:

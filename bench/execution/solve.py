@@ -24,7 +24,7 @@ from bench.execution.journal import DROPPED, Journal
 from bench.execution.side_by_side import evaluated
 from bench.execution.supervisor import Supervisor
 from bench.execution.warming import warm_optimizer, warm_problem
-from bench.helpers.errors import BenchError
+from bench.helpers.errors import BenchError, nearest
 from bench.helpers.parsing import JsonObject
 from bench.helpers.text import count
 from bench.plugins import loading
@@ -34,9 +34,11 @@ from bench.plugins.packing import pack
 from bench.sandbox.messages import describe_error
 from bench.sandbox.server import end_if_stuck
 from bench.study import Study
+from bench.study.budget import Budget
 from bench.study.initial import known_points, with_initial
+from bench.study.rules import KEYS as RULES
+from bench.study.rules import Rules
 from bench.trial.columns import Row
-from bench.trial.scoring import constraints as handlings
 from bench.trial.scoring import scored
 from bench.trial.trial import UNASKED, Result, Trial, numbers, search
 
@@ -48,16 +50,13 @@ def solve(
     budget: int | str,
     bounds: Sequence[tuple[float, float]] | None = None,
     seed: int = 0,
-    constraints: str = handlings.DEFAULT,
-    on_error: str = "fail",
-    evaluation_timeout: float | str | None = None,
-    time: float | str | None = None,
     parallel: int = 1,
     final_target: float | None = None,
     stop_at: float | None = None,
     on_evaluation: OnEvaluation | None = None,
     initial: ArrayLike | str | None = None,
     output: str | PathLike[str] | None = None,
+    **rules: object,
 ) -> Result:
     """Run one optimizer once on one problem.
 
@@ -75,11 +74,6 @@ def solve(
             generation.
         bounds: of a function, a pair (lower, upper) for each variable.
         seed: repeats the run exactly; the ``seed`` of a study's row repeats that trial.
-        constraints: what the optimizer sees of infeasible points, as in a study
-            (:mod:`bench.trial.scoring.constraints`).
-        on_error: "fail", or "worst" to go on with +inf as the value of a point whose evaluation fails.
-        evaluation_timeout: wall seconds that the evaluation of a point may take, or a text such as "10 min".
-        time: wall seconds after which the run ends before its budget, likewise.
         parallel: points of a call that are evaluated at a time, each in a process of the problem; the result is the
             same.
         final_target: the difference to the known optimum at which the run ends, such as 1e-8.
@@ -89,24 +83,26 @@ def solve(
         initial: (k, d) points that are known, with which the run begins, or the name of a CSV file of them.
         output: a folder in which the evaluations are noted, so that the same call goes on after an interruption
             (:mod:`bench.execution.journal`); of a problem without noise.
+        rules: ``constraints``, ``on_error``, ``evaluation_timeout`` and ``time``, as in a study
+            (:class:`bench.study.rules.Rules`).
 
     Raises:
-        BenchError: for an unknown problem or optimizer, bounds that are not a box, a budget below 1, a
-            handling or a limit that cannot be, and for a noisy problem where its points are to be evaluated by other
-            processes.
+        BenchError: for an unknown problem, optimizer or rule, bounds that are not a box, a budget below 1, a rule that
+            cannot be, and for a noisy problem where its points are to be evaluated by other processes.
         ProblemError: where the problem raises; its ``raised`` is what the problem raised.
     """
     loaded = loading.as_problem(problem, bounds)
     chosen = loading.as_optimizer(optimizer)
-    study = Study(
-        "solve", (), (), budget=budget, seed=seed, constraints=constraints, on_error=on_error, time=time,
-        evaluation_timeout=evaluation_timeout, parallel=parallel, final_target=final_target, stop_at=stop_at,
-    )  # fmt: skip
-    spent = study.evaluations(loaded.dimension)
+    known = RULES - {"journal"}  # a run with an output always has one
+    for name in rules.keys() - known:
+        raise BenchError(f"solve has no setting {name!r}{nearest(name, known)}")
+    ruled = Rules(parallel=parallel, final_target=final_target, stop_at=stop_at, **rules)
+    require_seed("'seed'", seed)
+    spent = Budget.read(budget, "'budget'").evaluations(loaded.dimension)
     if initial is not None:
         loaded = with_initial(copy(loaded), known_points(initial, "of this call"))
-    minimized = scored(loaded, study.constraints, study.on_error)
-    good = study.goal(minimized)
+    minimized = scored(loaded, ruled.constraints, ruled.on_error)
+    good = ruled.goal(minimized)
     journal = None
     if output is not None and not loaded.noisy:
         usual = defaults(chosen)
@@ -115,12 +111,12 @@ def solve(
         label = title(optimizer) + "".join(changed)
         key = Trial(loaded.name, label, 0, seed).columns | {"budget": spent, "variables": [*loaded.variables]}
         Path(output).mkdir(parents=True, exist_ok=True)
-        journal = Journal(Path(output), key, _about(loaded), limit=study.evaluation_timeout, always=True)
+        journal = Journal(Path(output), key, _about(loaded), limit=ruled.evaluation_timeout, always=True)
     if isinstance(optimizer, str):
         warm(minimized, chosen, spent)
     # Results and times must not depend on the number of BLAS threads.
-    with threadpool_limits(limits=1), evaluated(minimized, *study.evaluation, journal) as answering:
-        found = search(answering, chosen, spent, seed, end_if_stuck, study.time, good, on_evaluation)
+    with threadpool_limits(limits=1), evaluated(minimized, *ruled.evaluation, journal) as answering:
+        found = search(answering, chosen, spent, seed, end_if_stuck, ruled.time, good, on_evaluation)
         try:
             metrics = numbers(answering.describe(found.x.copy()))
         except Exception as error:  # what was found is not lost by it

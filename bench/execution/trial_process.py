@@ -74,7 +74,7 @@ def check_problems() -> JsonObject:
         with reading("problem"):
             dimensions = _study.dimensions(load)
             for label in dimensions:
-                require_possible(_problem(label), *_study.evaluation)
+                require_possible(_problem(label), *_study.rules.evaluation)
         return {"dimensions": dimensions, "machine": provenance.machine(), "modules": observing.modules()}
     except BenchError as error:
         return {"error": printable(str(error), 4000)}
@@ -171,15 +171,17 @@ def make(trial: Trial, box: Box | None = None, end: int = -1) -> JsonObject:
             with reading("problem", trial.problem):
                 observing.declare(_study.files(trial.problem))
             journal = _journal(trial)
-            problem: AbstractContextManager[Problem] = evaluated(_problem(trial.problem), *_study.evaluation, journal)
+            problem: AbstractContextManager[Problem] = evaluated(
+                _problem(trial.problem), *_study.rules.evaluation, journal
+            )
         else:
             problem = closing(apart.RemoteProblem(end, box))
         beside = reading("problem", trial.problem) if box is None else nullcontext()
         with effects, beside, problem as minimized, reading("optimizer", trial.optimizer):
             observing.declare(_study.files(trial.optimizer))
             budget = _study.evaluations(minimized.dimension)
-            limit = _study.time if box is None else None  # else the other process has it
-            goal = _study.goal(minimized) if box is None else -inf
+            limit = _study.rules.time if box is None else None  # else the other process has it
+            goal = _study.rules.goal(minimized) if box is None else -inf
             _found = search(minimized, optimizer, budget, trial.seed, end_if_stuck, limit, goal)
             answer = as_answer(_found)
         if journal is not None:
@@ -204,7 +206,7 @@ def _journal(trial: Trial) -> Journal | None:
     def read() -> Inputs:
         return named(observing.observed().get("problem", {}), [trial.problem])
 
-    return Journal(Path(_output), key, about, read, _study.evaluation_timeout, _study.journal)
+    return Journal(Path(_output), key, about, read, _study.rules.evaluation_timeout, _study.rules.journal)
 
 
 def serve(trial: Trial, end: int) -> JsonObject:
@@ -214,11 +216,11 @@ def serve(trial: Trial, end: int) -> JsonObject:
     problem.
     """
     problem = _problem(trial.problem)
-    with reading("problem", trial.problem), evaluated(problem, *_study.evaluation) as minimized:
+    with reading("problem", trial.problem), evaluated(problem, *_study.rules.evaluation) as minimized:
         observing.declare(_study.files(trial.problem))
         budget = _study.evaluations(problem.dimension)
-        stream, goal = streams(trial.seed)[0], _study.goal(minimized)
-        objective = scoring.objective(minimized, budget, stream, seconds=_study.time, goal=goal)
+        stream, goal = streams(trial.seed)[0], _study.rules.goal(minimized)
+        objective = scoring.objective(minimized, budget, stream, seconds=_study.rules.time, goal=goal)
         seconds = apart.serve(objective, end)
     try:
         kept = result(objective, trial.seed, seconds, 0.0, 0.0)

@@ -133,7 +133,7 @@ def _chosen(folder: Folder, study: Study, trials: int) -> list[Trial]:
         again = not FORKS  # else the problem is kept apart, and nothing is answered from a journal
         cell.append(Trial(row["problem"], row["optimizer"], row["trial"], row["seed"], again))
     if not cells:
-        limits = [limit for limit in (study.time, study.evaluation_timeout) if limit is not None]
+        limits = [limit for limit in (study.rules.time, study.rules.evaluation_timeout) if limit is not None]
         but = ", but of those that a limit of time may have decided" if limits else ""
         raise BenchError(f"{folder.path} holds no finished trial to verify{but}")
     choice = random.Random(study.seed)

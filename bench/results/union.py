@@ -106,7 +106,7 @@ def differences(studies: Sequence[Study], names: Sequence[str]) -> list[str]:
 def _require_alike(first: Study, study: Study) -> None:
     for what, one, other in (
         ("budget", first.budget, study.budget),
-        ("handling of constraints", first.constraints, study.constraints),
+        ("handling of constraints", first.rules.constraints, study.rules.constraints),
     ):
         if one != other:
             raise BenchError(

@@ -8,15 +8,13 @@ import os
 import re
 from collections.abc import Callable, Iterable, Iterator, Mapping
 from copy import deepcopy
-from dataclasses import dataclass
-from functools import partial
-from math import inf, nextafter
+from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any
 
 import tomli_w
 
-from bench.contract.numbers import LARGEST_SEED, MOST_PARALLEL, MOST_TRIALS, is_finite, require_whole, seconds
+from bench.contract.numbers import LARGEST_SEED, MOST_TRIALS, require_whole
 from bench.contract.optimizer import Optimizer
 from bench.contract.problem import Problem
 from bench.contract.seeds import trial_seed
@@ -29,10 +27,11 @@ from bench.study.budget import Budget
 from bench.study.cell import Cell, Labels, record
 from bench.study.entries import Entry
 from bench.study.initial import with_initial
+from bench.study.rules import KEYS as RULES
+from bench.study.rules import Rules
 from bench.study.targets import Targets
 from bench.study.values import Checked, Value
-from bench.trial.scoring import constraints as handlings
-from bench.trial.scoring import require_on_error, scored
+from bench.trial.scoring import scored
 from bench.trial.trial import Trial
 
 LONGEST_NAME, LONGEST_TITLE = 100, 1000
@@ -41,12 +40,6 @@ UNKNOWN_BUDGET = "an unknown budget"
 
 TRIALS = 30
 """The usual number of trials of an optimizer on a problem."""
-
-
-def _finite(value: Any, what: str, *, least: float = -inf) -> float:
-    if not is_finite(value) or value <= least:
-        raise BenchError(f"{what} must be a {'positive ' * (least == 0)}number, not {value!r}")
-    return float(value)
 
 
 @dataclass(frozen=True)
@@ -62,20 +55,7 @@ class Study:
             dimension such as ``{"10": 200_000}``.
         seed: the seed that all trials' seeds derive from.
         title: one line on what is compared.
-        constraints: what optimizers see of infeasible points, one of :data:`bench.trial.scoring.constraints.HANDLINGS`.
-        on_error: what becomes of a point at which a problem raises: "fail", the trial fails and reports do not compare
-            the problem; "worst", the point counts, its value is +inf and the trial goes on.
-        evaluation_timeout: wall seconds that the evaluation of a point may take, or a text such as ``"10 min"``; it is
-            made in a process that is ended then, and the point fails. None: no limit.
-        time: wall seconds after which a trial ends before its budget, or a text such as ``"10 min"``: the call of the
-            objective that is then under way is its last. Such a trial cannot be repeated bit by bit. None: no limit.
-        final_target: the difference to the known optimum at which a trial ends, such as 1e-8 in COCO (Hansen et al.
-            2021); None: none.
-        stop_at: the value at which a trial ends once a feasible point has it; None: none.
-        journal: whether the evaluations of a trial are noted in the folder whatever they take, for a trial that was
-            interrupted; otherwise slow ones are. It decides no trial's result.
-        parallel: points of a call that are evaluated at a time, each in a process of the problem; it decides no
-            trial's result.
+        rules: how the points of a trial are evaluated, and what ends it before its budget.
         targets: what a report counts as reached (:meth:`bench.study.targets.Targets.read`); None: the usual ones of the
             problems. They decide no trial's result.
         subject: the label of the optimizer that the study is about: reports test it against each rival, and no other
@@ -89,14 +69,7 @@ class Study:
     budget: Checked[Budget] = Checked(Budget.read, Budget.read(10_000))
     seed: Checked[int] = Checked(lambda value, what: require_whole(what, value, 0, LARGEST_SEED), 0)
     title: str = ""
-    constraints: Checked[str] = Checked(handlings.read_handling, handlings.DEFAULT)
-    on_error: Checked[str] = Checked(require_on_error, "fail")
-    evaluation_timeout: Checked[float | None] = Checked(seconds)
-    time: Checked[float | None] = Checked(seconds)
-    final_target: Checked[float | None] = Checked(partial(_finite, least=0))
-    stop_at: Checked[float | None] = Checked(_finite)
-    journal: bool = False
-    parallel: Checked[int] = Checked(lambda value, what: require_whole(what, value, 1, MOST_PARALLEL), 1)
+    rules: Rules = field(default_factory=Rules)
     targets: Checked[Targets | None] = Checked(Targets.read)
     subject: str = ""
 
@@ -134,21 +107,19 @@ class Study:
     @classmethod
     def from_dict(cls, data: Mapping[str, object], where: str = "given") -> Study:
         """Return the study that a parsed TOML document describes; raises BenchError naming the first invalid entry."""
-        fields = {item.name for item in dataclasses.fields(cls)}
+        known = {item.name for item in dataclasses.fields(cls)} - {"rules"} | RULES
         for key in data:
-            if key not in fields:
-                raise BenchError(f"study {where}: unknown key {key!r}{nearest(key, fields)}")
-        if not isinstance(data.get("journal", False), bool):
-            raise BenchError(f"study {where}: 'journal' must be true or false, not {data['journal']!r}")
+            if key not in known:
+                raise BenchError(f"study {where}: unknown key {key!r}{nearest(key, known)}")
         for key in ("name", "title", "subject"):
             if not isinstance(data.get(key, ""), str):
                 raise BenchError(f"study {where}: {key!r} must be a text, not {data[key]!r}")
         if not data.get("name"):
             raise BenchError(f'study {where} has no name; add a line such as name = "my-study"')
         lists = {key: entries.read_entries(data.get(key), key, where) for key in ("problems", "optimizers")}
-        content: JsonObject = {**data, **lists}
+        content: JsonObject = {key: value for key, value in data.items() if key not in RULES} | lists
         try:
-            study = cls(**content)
+            study = cls(**content, rules=Rules(**{key: data[key] for key in RULES & data.keys()}))
         except BenchError as error:
             raise BenchError(f"study {where}: {error}") from error
         study.require_sound(where)
@@ -162,30 +133,6 @@ class Study:
     def evaluations(self, dimension: int) -> int:
         """Return the evaluations of a trial in this dimension; raises BenchError where the budget has none."""
         return self.budget.evaluations(dimension)
-
-    @property
-    def evaluation(self) -> tuple[int, float | None]:
-        """The points of a call that are evaluated at a time, and the wall seconds that each may take."""
-        return self.parallel, self.evaluation_timeout
-
-    def goal(self, problem: Problem) -> float:
-        """Return the value that ends a trial on the problem once a feasible point has it; -inf where none does.
-
-        Raises:
-            BenchError: for a difference to an optimum that is not known.
-        """
-        value = -inf if self.stop_at is None else self.stop_at
-        if self.final_target is None:
-            return value
-        if problem.optimum is None:
-            raise BenchError(
-                f"problem {problem.name!r} has no known optimum, from which 'final_target' counts; give 'stop_at', a "
-                "value"
-            )
-        near = problem.optimum + self.final_target
-        while near - problem.optimum > self.final_target:  # the sum is rounded, and reports subtract
-            near = nextafter(near, -inf)
-        return max(near, value)
 
     @property
     def budget_words(self) -> str:
@@ -222,7 +169,7 @@ class Study:
         options = deepcopy(entry.options)
         known = options.pop("initial", [])
         loaded = with_initial(loading.load_problem(entry.name, **options), known)
-        return scored(loaded, self.constraints, self.on_error)
+        return scored(loaded, self.rules.constraints, self.rules.on_error)
 
     def files(self, label: str) -> tuple[str, ...]:
         """Return the files that the problem or the optimizer of that label names as read by it."""
@@ -266,7 +213,7 @@ class Study:
         if self.targets is not None:
             self.targets.require_metric(any(problem.expected for problem in problems.values()))
         for problem in problems.values():
-            self.goal(problem)
+            self.rules.goal(problem)
         dimensions = {label: problem.dimension for label, problem in problems.items()}
         self._least(dimensions)
         return dimensions
@@ -289,7 +236,7 @@ class Study:
 
         ``dimensions`` are those of the problems, by label, as far as they are known.
         """
-        handling = {"constraints": self.constraints, "on_error": self.on_error} | self._handling()
+        handling = {"constraints": self.rules.constraints, "on_error": self.rules.on_error} | self.rules.deciding
         problems = {entry.label: record(**_about(entry), **handling) for entry in self.problems}
         optimizers = {entry.label: record(**_about(entry)) for entry in self.optimizers}
         evaluations = {label: self.evaluations(dimensions[label]) if label in dimensions else 0 for label in problems}
@@ -318,9 +265,7 @@ class Study:
         """Return the study as a TOML document that loads back as an equal study."""
         table = {key: getattr(self, key) for key in ("name", "title", "seed", "trials", "budget")}
         table["subject"] = self.subject or None
-        table |= self._handling() | {"parallel": None if self.parallel == 1 else self.parallel}
-        table["journal"] = self.journal or None
-        table["targets"] = self.targets
+        table |= self.rules.unusual | {"targets": self.targets}
         for key in ("problems", "optimizers"):
             table[key] = [entry.as_dict() for entry in getattr(self, key)]
         plain = {key: value.plain if isinstance(value, Value) else value for key, value in table.items()}
@@ -341,25 +286,14 @@ class Study:
     def identity(self) -> str:
         """Return a hash of all settings that decide a trial's result, so without the number of trials and the title.
 
-        Targets, subject and the number of points evaluated at a time decide none. Handlings of constraints and
-        evaluations are a part of it where they are not the default ones.
+        Targets and subject decide none, and of the rules those are a part of it that are not the default ones.
         """
         content = dataclasses.asdict(self) | {"trials": None, "title": None, "budget": self.budget.plain}
-        left_out = {*_USUAL, "parallel", "journal", "targets", "subject"}
-        content = {key: value for key, value in content.items() if key not in left_out} | self._handling()
+        left_out = {"rules", "targets", "subject"}
+        content = {key: value for key, value in content.items() if key not in left_out} | self.rules.deciding
         for entry in (*content["problems"], *content["optimizers"]):
             del entry["files"]  # whose content decides, and not their names
         return short_hash(json.dumps(content, sort_keys=True, default=str))
-
-    def _handling(self) -> JsonObject:
-        """Return the handlings of constraints and of evaluations where they are not the default ones."""
-        return {key: getattr(self, key) for key, default in _USUAL.items() if getattr(self, key) != default}
-
-
-_USUAL = {
-    "constraints": handlings.DEFAULT, "on_error": "fail", "evaluation_timeout": None, "time": None,
-    "final_target": None, "stop_at": None,
-}  # fmt: skip
 
 
 def _about(entry: Entry) -> JsonObject:

@@ -4,10 +4,18 @@ import numpy as np
 
 from bench import Results
 from bench.contract.objective import Trace
+from bench.execution.plan import Listener
 from bench.trial.columns import MEASURED
 from bench.trial.trial import Result
 
 TRACE = Trace(np.ones(1, dtype=np.int64), np.ones(1))
+
+
+class Heard(Listener):
+    """A listener that calls a function with every finished trial and its row."""
+
+    def __init__(self, trial):
+        self.trial = trial
 
 
 class Known(Results):

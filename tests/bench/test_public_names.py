@@ -8,10 +8,11 @@ import sys
 import bench
 
 NAMES = [
-    "AskTell", "BenchError", "BudgetExhausted", "Checkup", "Evaluator", "FunctionProblem", "Grid", "Objective",
-    "Optimizer", "Outcome", "Problem", "Result", "Results", "StopRun", "Study", "Trace", "Verdict", "WorkerDiedError",
-    "check_optimizer", "check_problem", "compare", "list_optimizers", "list_problems", "load_optimizer",
-    "load_problem", "load_results", "parameter", "run", "solve", "write_report",
+    "AskTell", "BenchError", "BudgetExhausted", "Checkup", "Evaluator", "FunctionProblem", "Grid", "Listener",
+    "Objective", "Optimizer", "Outcome", "Problem", "Result", "Results", "StopRun", "Study", "Trace",
+    "Verdict", "WorkerDiedError", "check_optimizer", "check_problem", "compare", "list_optimizers",
+    "list_problems", "load_optimizer", "load_problem", "load_results", "parameter", "run", "solve",
+    "write_report",
 ]  # fmt: skip
 
 

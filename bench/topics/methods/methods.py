@@ -130,7 +130,9 @@ def scored(study: Study, trials: Trials) -> str:
     said += f", {measures.pop()}" if len(measures) == 1 and all(measures) else ""
     said += ", less the optimum where instances are pooled" if trials.precisions else ""
     said += ", without noise" if any(problem.noisy for problem in known) else ""
-    handled = f"; the handling of constraints is {study.constraints}" * any(each.constraints != "" for each in known)
+    handled = f"; the handling of constraints is {study.rules.constraints}" * any(
+        each.constraints != "" for each in known
+    )
     return f"{said}{handled}."
 
 

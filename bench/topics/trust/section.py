@@ -107,7 +107,7 @@ def _data(findings: Findings) -> Iterator[Line]:
         yield warning("gaps", words.gaps(gaps))
     cells = trials.feasible
     if len(cells) and (lost := int((cells["trials"] - cells["feasible"]).sum())):
-        runs, constraints = int(cells["trials"].sum()), findings.study.constraints
+        runs, constraints = int(cells["trials"].sum()), findings.study.rules.constraints
         yield warning("no feasible point", words.infeasible(lost, runs, constraints))
     yield from handled(trials.whole)
     reasons = {label: known.reason for label, known in trials.known.items() if known.reason}

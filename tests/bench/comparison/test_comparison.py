@@ -7,6 +7,7 @@ import pytest
 
 import bench
 from bench import BenchError, FunctionProblem, Optimizer, Results, compare
+from tests.bench.made import Heard
 
 
 @dataclass(frozen=True)
@@ -63,7 +64,8 @@ def test_without_an_output_the_same_comparison_goes_on_and_another_gets_a_folder
     settings = {"budget": 4, "n_jobs": 1, "verify": False}
     made = []
     first = compare(valley(), draw, trials=1, **settings)
-    again = compare(valley(), draw, trials=2, on_trial=lambda trial, row: made.append(trial.number), **settings)
+    heard = Heard(lambda trial, row: made.append(trial.number))
+    again = compare(valley(), draw, trials=2, progress=heard, **settings)
     other = compare(valley(), Halving, trials=1, **settings)
     assert [each.paths for each in (first, again, other)] == [
         [Path("results/runs") / name] for name in ("comparison", "comparison", "comparison-2")

@@ -110,9 +110,9 @@ def test_a_note_by_a_stranger_raises_no_other_error(file, tmp_path):
 
 
 def test_a_trial_that_a_limit_of_time_has_ended_is_not_made_again_and_the_plan_warns(file, tmp_path):
-    said = []
     timed = study(file, "honest", time=1e-6, trials=1)
-    outcome = run(timed, tmp_path / "out", n_jobs=1, on_plan=lambda plan: said.extend(plan.notes))
+    said = plan(timed, tmp_path / "out").notes
+    outcome = run(timed, tmp_path / "out", n_jobs=1)
     (row,) = Folder(tmp_path / "out").store.rows()
     assert (row["status"], row["stop"], row["nfev"]) == ("ok", "time", 10)
     assert not outcome.different

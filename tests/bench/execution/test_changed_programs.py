@@ -8,6 +8,7 @@ import pytest
 
 from bench import BenchError, Study, load_results, run
 from bench.execution.runner import plan
+from tests.bench.made import Heard
 
 CLIMB = """
 import json, sys, os
@@ -193,7 +194,7 @@ def test_a_program_that_changes_during_a_run_ends_its_trials_with_a_sentence(tmp
     def edit(trial, row):
         (tmp_path / "p" / "w.dat").write_text("2")
 
-    outcome = run(study, tmp_path / "out", n_jobs=1, verify=False, on_trial=edit)
+    outcome = run(study, tmp_path / "out", n_jobs=1, verify=False, progress=Heard(edit))
     assert outcome.failed >= 1
     errors = load_results(tmp_path / "out")["error"].dropna()
     assert errors.str.contains("w.dat changed while the study ran, so no trial is made with it").all()

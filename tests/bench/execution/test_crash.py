@@ -359,12 +359,13 @@ import os, sys
 import bench
 
 made = []
-def on_trial(trial, row):
-    made.append(trial)
-    if len(made) == 5:
-        os.kill(os.getpid(), 9)
+class Killer(bench.Listener):
+    def trial(self, trial, row):
+        made.append(trial)
+        if len(made) == 5:
+            os.kill(os.getpid(), 9)
 
-bench.run(bench.Study.load(sys.argv[1]).override(trials=3), sys.argv[2], n_jobs=1, on_trial=on_trial)
+bench.run(bench.Study.load(sys.argv[1]).override(trials=3), sys.argv[2], n_jobs=1, progress=Killer())
 """
 
 

@@ -16,6 +16,7 @@ from bench import BenchError, FunctionProblem, Results, Study, load_results, run
 from bench.execution import dask as cluster
 from bench.execution import dask_worker
 from bench.execution.supervisor import Task, WorkerDiedError
+from tests.bench.made import Heard
 from tests.bench.sandbox.helpers import hear_interrupts
 
 distributed = pytest.importorskip("distributed", reason="the optional extra 'dask' is not installed")
@@ -170,7 +171,7 @@ def test_a_run_that_loses_a_worker_ends_with_the_frame_of_one_machine(machines, 
             os.killpg(workers.pop().pid, signal.SIGKILL)
 
     study = slow_study(10)
-    assert machines.run(study, tmp_path / "dask", on_trial=kill_one).made == 40
+    assert machines.run(study, tmp_path / "dask", progress=Heard(kill_one)).made == 40
     assert len(workers) == 1, "both workers made trials before one was killed"
     assert sorted(made) == sorted(trial.key for trial in study.plan())
     record = cores[1]
@@ -191,7 +192,7 @@ def test_a_run_whose_scheduler_is_lost_ends_with_a_sentence_and_goes_on_later(ma
         machines.scheduler.kill()
 
     with pytest.raises(WorkerDiedError, match=rf"^the scheduler {machines.address} is gone.* run the same command"):
-        machines.run(slow_study(10), tmp_path / "out", on_trial=kill)
+        machines.run(slow_study(10), tmp_path / "out", progress=Heard(kill))
     kept = len(load_results(tmp_path / "out"))
     assert 0 < kept < 40
     assert run(slow_study(10), tmp_path / "out", n_jobs=2).made == 40 - kept
@@ -210,7 +211,7 @@ def test_a_cluster_that_loses_all_its_workers_is_not_waited_for_for_ever(machine
             os.killpg(worker.pid, signal.SIGKILL)
 
     with pytest.raises(WorkerDiedError, match=r"no workers for .* minutes; every finished trial is kept"):
-        machines.run(slow_study(20), tmp_path / "out", on_trial=kill)
+        machines.run(slow_study(20), tmp_path / "out", progress=Heard(kill))
     assert len(load_results(tmp_path / "out")) > 0
     assert processes
     until(lambda: not any(map(is_alive, processes)), "the trial processes of the killed worker to end")
@@ -280,7 +281,7 @@ def test_a_worker_with_other_code_is_refused_by_name_first_or_last(module, chang
             machines.registered(2)
 
     with pytest.raises(BenchError, match=said):
-        machines.run(slow_study(100), tmp_path / "late", on_trial=join)
+        machines.run(slow_study(100), tmp_path / "late", progress=Heard(join))
     assert len(load_results(tmp_path / "late")) > 0
     with pytest.raises(BenchError, match=said):
         machines.run(slow_study(1), tmp_path / "early")

@@ -8,6 +8,7 @@ from bench.execution.runner import plan
 from bench.execution.verify import verify
 from bench.helpers.atomic import replacing
 from bench.storage.folder import Folder
+from tests.bench.made import Heard
 
 OPTIMIZER = (
     "def mine(objective, rng):\n    objective(objective.lower + {share} * (objective.upper - objective.lower))\n"
@@ -45,7 +46,7 @@ def test_an_edit_costs_no_trial_is_named_and_mixes_no_two_codes(study, tmp_path)
             with replacing(tmp_path / name) as written:  # no process reads half a file
                 written.write_text(text.format(share=0.75))
 
-    outcome = run(study, tmp_path / "out", n_jobs=1, on_trial=edit)
+    outcome = run(study, tmp_path / "out", n_jobs=1, progress=Heard(edit))
     assert (outcome.made, outcome.failed) == (4, 0)
     assert {name.rpartition("/")[2] for name in outcome.edited} <= {"mine.py", "other.py"} != set()
     assert all(len(values) == 1 for values in values_by_version(tmp_path / "out"))

@@ -2,19 +2,30 @@
 
 import pytest
 
-from bench import Study, run
-from bench.execution.progress import Display, displayed
+from bench import Listener, Study, run
+from bench.execution.progress import Display, listening
 
 
 def test_a_run_prints_its_progress_where_it_is_asked_for(small_study, tmp_path, capsys):
-    heard = []
-    options = {"on_plan": heard.append, "on_trial": lambda *each: heard.append(each)}
-    run(small_study.override(trials=1), tmp_path / "out", n_jobs=1, progress=True, **options)
+    run(small_study.override(trials=1), tmp_path / "out", n_jobs=1, progress=True)
     printed = capsys.readouterr().out
     assert printed.count("study small: 2 problems x 3 optimizers x 1 trial = 6 runs of 60 evaluations") == 1
     assert printed.count("6 of 6 runs done") == 1
-    assert len(heard) == 7
-    assert heard[0].folder == tmp_path / "out"
+
+
+def test_a_listener_hears_the_plan_and_then_every_trial(small_study, tmp_path, capsys):
+    heard = []
+
+    class Ears(Listener):
+        def plan(self, plan):
+            heard.append(plan.folder)
+
+        def trial(self, trial, row):
+            heard.append(row["status"])
+
+    run(small_study.override(trials=1), tmp_path / "out", n_jobs=1, progress=Ears())
+    assert heard == [tmp_path / "out", *["ok"] * 6]
+    assert capsys.readouterr().out == ""
 
 
 @pytest.mark.parametrize(
@@ -25,7 +36,7 @@ def test_progress_is_displayed_in_a_notebook_and_where_it_is_asked_for(asked, no
     if notebook:  # rich asks a kernel's process so
         kernel = type("ZMQInteractiveShell", (), {})
         monkeypatch.setattr("builtins.get_ipython", kernel, raising=False)
-    assert isinstance(displayed(asked), Display) is shown
+    assert isinstance(listening(asked), Display) is shown
 
 
 def test_a_part_of_a_study_may_hold_no_trial(small_study, tmp_path, capsys):

@@ -7,6 +7,7 @@ import pytest
 from bench import Study
 from bench.study import Entry
 from bench.study.cell import alike, with_inputs
+from bench.study.rules import Rules
 
 STUDY = Study("s", (Entry("p", "p"),), (Entry("o", "o", {"F": 0.5}),), budget="10 * d", seed=3)
 
@@ -19,8 +20,8 @@ def cell(study=STUDY, dimension=4):
 @pytest.mark.parametrize(
     "changes",
     [
-        {"budget": 41}, {"seed": 4}, {"constraints": "penalty"}, {"on_error": "worst"},
-        {"evaluation_timeout": 5}, {"time": "10 min"}, {"final_target": 1e-8},
+        {"budget": 41}, {"seed": 4}, {"rules": Rules(constraints="penalty")}, {"rules": Rules(on_error="worst")},
+        {"rules": Rules(evaluation_timeout=5)}, {"rules": Rules(time="10 min")}, {"rules": Rules(final_target=1e-8)},
         {"problems": (Entry("q", "p"),)}, {"problems": (Entry("p", "p", {"shift": 1}),)},
         {"problems": (Entry("p", "q"),)},
         {"optimizers": (Entry("o", "o"),)}, {"optimizers": (Entry("o", "o", {"F": 0.6}),)},
@@ -45,7 +46,7 @@ def test_other_dimensions_and_inputs_make_another_cell():
         {"targets": "tolerance"},
         {"budget": 40},
         {"name": "t"},
-        {"parallel": 8},
+        {"rules": Rules(parallel=8, journal=True)},
     ],
 )
 def test_what_decides_no_trial_makes_none(changes):
