@@ -2,18 +2,11 @@
 
 import zipfile
 
-from bench import Study
-from bench.storage.folder import Folder
-from tests.bench.storage.filled import OPTIMIZERS, PROBLEMS, TRIALS, add_missing
+from tests.bench.storage.filled import TRIALS, filled_folder
 
 
 def test_pack_and_unpack_print_what_they_did(bench_here, tmp_path):
-    folder = Folder(tmp_path / "copy")
-    folder.path.mkdir()
-    study = {"name": "small", "trials": TRIALS, "problems": [{"names": [*PROBLEMS]}]}
-    folder.claim(Study.from_dict(study | {"optimizers": [{"name": name} for name in OPTIMIZERS]}))
-    add_missing(folder)
-    done = bench_here("pack", folder.path)
+    done = bench_here("pack", filled_folder(tmp_path / "copy").path)
     assert done.returncode == 0
     assert "note: the archive has no report" in done.stdout
     assert f"{4 * TRIALS} trials in 4 files: " in done.stdout

@@ -7,7 +7,7 @@ import numpy as np
 import pandas as pd
 import pytest
 
-from bench import BenchError, Results
+from bench import BenchError, Results, Study
 from bench.contract.objective import Trace
 from bench.storage.folder import Folder
 from bench.trial.columns import packed
@@ -49,6 +49,16 @@ def add_missing(folder):
             number = writer.record("environments", RECORD)
             for trial, row in missing:
                 writer.add(trial, packed(row), number)
+
+
+def filled_folder(path, **more):
+    """Return the folder of a study, with further keys of its file, that holds all 120 trials."""
+    path.mkdir()
+    folder = Folder(path)
+    lists = {"problems": [{"names": [*PROBLEMS]}], "optimizers": [{"name": name} for name in OPTIMIZERS]}
+    folder.claim(Study.from_dict({"name": "small", "trials": TRIALS, "budget": 60} | lists | more))
+    add_missing(folder)
+    return folder
 
 
 def traces(results):

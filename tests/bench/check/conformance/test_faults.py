@@ -89,16 +89,15 @@ def test_a_run_that_depends_on_its_process_is_found(optimizer):
     assert "do not loop over a set" in found[0].remedy
 
 
-def test_a_copy_of_another_class_is_found():
-    found = failures(verdicts(unrepeatable.Changeling))
-    assert [verdict.check for verdict in found] == ["pickling"]
-    assert found[0].finding == "its pickled copy is a Sound, not a Changeling"
-
-
-def test_a_copy_that_loses_a_parameter_is_found():
-    found = failures(verdicts(unrepeatable.Forgetful, step=0.3))
-    assert [verdict.check for verdict in found] == ["pickling"]
-    assert found[0].finding == "its pickled copy has other parameters"
+@pytest.mark.parametrize(
+    ("optimizer", "options", "finding"),
+    [
+        (unrepeatable.Changeling, {}, "its pickled copy is a Sound, not a Changeling"),
+        (unrepeatable.Forgetful, {"step": 0.3}, "its pickled copy has other parameters"),
+    ],
+)
+def test_a_copy_of_another_class_or_that_loses_a_parameter_is_found(optimizer, options, finding):
+    assert [(each.check, each.finding) for each in failures(verdicts(optimizer, **options))] == [("pickling", finding)]
 
 
 def test_what_a_constructor_raises_is_a_verdict_under_any_name(tmp_path):

@@ -4,23 +4,15 @@ import zipfile
 
 import pytest
 
-from bench import Study
 from bench.formats.archive import pack
 from bench.storage.folder import Folder
-from tests.bench.storage.filled import OPTIMIZERS, PROBLEMS, TRIALS, add_missing
+from tests.bench.storage.filled import filled_folder
 
 
 @pytest.fixture(scope="session")
 def whole(tmp_path_factory):
     """A study's folder of 120 trials with a report of two files, which no test changes."""
-    folder = Folder(tmp_path_factory.mktemp("packing") / "small")
-    folder.path.mkdir()
-    study = {
-        "name": "small", "title": "A small study", "trials": TRIALS, "budget": 60, "problems": [{"names": [*PROBLEMS]}],
-        "optimizers": [{"name": name} for name in OPTIMIZERS],
-    }  # fmt: skip
-    folder.claim(Study.from_dict(study))
-    add_missing(folder)
+    folder = filled_folder(tmp_path_factory.mktemp("packing") / "small", title="A small study")
     folder.write_environments()
     (folder.path / "tables").mkdir()
     (folder.path / "tables" / "cells.csv").write_text("problem,median\nsphere-2,0.5\n")
