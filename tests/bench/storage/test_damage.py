@@ -12,6 +12,7 @@ from bench import BenchError, Results, load_results, run
 from bench.storage.folder import Folder
 from bench.storage.rows import VALUES
 from bench.storage.store import Store
+from tests.bench.installed.testing_calls import Bomb
 from tests.bench.storage.changes import change
 from tests.bench.storage.filled import damage_of, traces
 
@@ -60,16 +61,6 @@ def test_sixteen_random_bytes_anywhere_are_noticed_or_change_nothing(seeds, fill
             with pytest.raises(BenchError):
                 spoilt.require_sound()
     assert noticed >= len(seeds) / 5  # the rest hit unused space
-
-
-class Bomb:
-    """Makes a file when it is unpickled."""
-
-    def __init__(self, path):
-        self.path = path
-
-    def __reduce__(self):
-        return open, (self.path, "w")
 
 
 READERS = (lambda path: list(Store(path).rows()), lambda path: Results(path).frame, lambda path: Results(path).traces)
