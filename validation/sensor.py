@@ -35,7 +35,7 @@ from scipy.signal import lfilter
 
 from bench.helpers.errors import BenchError
 from problems.backlash import EARLY_RAD
-from problems.backlash.joint import Joint, simulate
+from problems.backlash.joint import DEFAULT, load_joint, simulate
 from problems.backlash.recordings import Recording
 from problems.backlash.sensor.estimate import Settings, estimate
 from problems.backlash.sensor.load_turn import fold
@@ -124,10 +124,10 @@ def elsewhere():
     for change in (-5, -2, -1, 0, 1, 2, 5):
         factor = 1 + change / 100
         for what, joint in (
-            ("speed", Joint(omega_ref=2 * pi * 100 * factor)),
-            ("gear ratio", Joint(gear_ratio=40 * factor)),
+            ("speed", load_joint(omega_ref=2 * pi * 100 * factor)),
+            ("gear ratio", load_joint(gear_ratio=40 * factor)),
         ):
-            settings = Settings(resamples=0, gear_ratio=joint.gear_ratio, calibration=everywhere)
+            settings = Settings(resamples=0, gear_ratio=joint.gear.gear_ratio, calibration=everywhere)
             for gap in (0.0005, 0.0011, 0.0021, 0.0031, 0.0039):
                 speed = simulate(joint, half_gap=gap, duration=12 * joint.turn).speed
                 found = estimate(Recording(0.0, 0.002, speed), settings)
@@ -238,7 +238,7 @@ def found_gaps(draws):
     """Yield a line a kind of joint and noise."""
     yield f"{'joint, half-gaps in mrad, noise in rps':52}  detected, missed, undecided; error median, most; >10 %; held"
     for share in (0.03, 0.06, 0.1, 0.17, 0.3):
-        joint = Joint(coulomb_friction=share * Joint().gravity_torque)
+        joint = load_joint(coulomb_friction=share * DEFAULT.load.gravity_torque)
         for name, calibration in (("own", calibrated(joint)), ("default", sensor_calibration())):
             settings = Settings(gear_ratio=40.0, calibration=calibration)
             yield gap_line(
@@ -246,20 +246,20 @@ def found_gaps(draws):
             )
     for gaps in ((0.15,), (0.3,), (0.7, 1.5), (2.6, 3.5)):
         for noise in (0.12, 0.35, 0.7):
-            yield gap_line("default", Joint(), gaps, noise, draws, Settings())
+            yield gap_line("default", DEFAULT, gaps, noise, draws, Settings())
     for beside in (0.3, 0.8):
-        yield gap_line(f"default, tone of {beside} rps", Joint(), (0.5, 1.5), 0.2, draws, Settings(), beside)
+        yield gap_line(f"default, tone of {beside} rps", DEFAULT, (0.5, 1.5), 0.2, draws, Settings(), beside)
     for change in ({"gear_ratio": 55.0}, {"gear_ratio": 30.0}, {"omega_ref": 2 * pi * 70}, {"load_inertia": 0.55}):
-        joint = Joint(**change)
+        joint = load_joint(**change)
         name = f"{next(iter(change))} {next(iter(change.values())):.4g}, own calibration"
         try:
-            settings = Settings(gear_ratio=joint.gear_ratio, calibration=calibrated(joint))
+            settings = Settings(gear_ratio=joint.gear.gear_ratio, calibration=calibrated(joint))
         except BenchError as refusal:
             yield f"{name}: {refusal}"
             continue
         yield gap_line(name, joint, (0.7, 1.5), 0.2, draws, settings)
     settings = Settings(gear_ratio=40.0)
-    yield gap_line("viscous friction of 14%", Joint(viscous_friction=0.129), (0.7, 1.5), 0.2, draws, settings)
+    yield gap_line("viscous friction of 14%", load_joint(viscous_friction=0.129), (0.7, 1.5), 0.2, draws, settings)
 
 
 def without_blocks(rng, speed, blocks):
@@ -274,7 +274,7 @@ def without_blocks(rng, speed, blocks):
 def worn(rng):
     """Return a half-gap of 0.5 to 3.5 mrad, and the speed of a joint with it, with noise, of 9 to 15 load turns."""
     gap, friction = rng.uniform(0.5e-3, 3.5e-3), rng.choice([0.0, 0.05])
-    joint = Joint(coulomb_friction=friction * Joint().gravity_torque)
+    joint = load_joint(coulomb_friction=friction * DEFAULT.load.gravity_torque)
     speed = simulate(joint, half_gap=gap, duration=16 * joint.turn).speed
     first = int(rng.integers(200))
     speed = speed[first : first + int(rng.integers(9 * 200, 15 * 200))]
@@ -335,7 +335,7 @@ def other_joints(draws, noises=(0.1, 0.3, 0.75)):
     """Yield a line a change of the joint and noise: how often it is said, and the error where it is not."""
     yield f"{'joint, noise in rps':36}  said; no backlash; error of the half-gap, median, most, where it is given"
     for name, factors in CHANGED.items():
-        joint = replace(Joint(), **{key: factor * getattr(Joint(), key) for key, factor in factors.items()})
+        joint = load_joint(**{key: factor * DEFAULT.parameters[key] for key, factor in factors.items()})
         for noise in noises:
             found = []
             for gap in (0.3e-3, 0.5e-3, 1.1e-3, 2.1e-3, 3.1e-3):

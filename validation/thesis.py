@@ -20,7 +20,7 @@ from scipy.stats import spearmanr
 
 import bench
 from optimizers.cma_es import CMAES
-from problems.backlash.joint import Joint, load_joint, simulate, with_noise
+from problems.backlash.joint import DEFAULT, load_joint, simulate, with_noise
 from problems.backlash.published.recordings import table_7_3
 from problems.backlash.recordings import Recording
 from problems.backlash.report.fitting_errors import ORDER, SWARMS, ordered, published
@@ -216,20 +216,20 @@ def gears():
         "gear ratio 20": {"gear_ratio": 20.0},
         "gear ratio 80": {"gear_ratio": 80.0},
         "gear ratio 160": {"gear_ratio": 160.0},
-        "half its stiffness": {"stiffness": 0.5 * Joint().stiffness},
-        "four times its stiffness": {"stiffness": 4 * Joint().stiffness},
-        "three times its damping": {"damping": 3 * Joint().damping},
-        "a third of its damping": {"damping": Joint().damping / 3},
+        "half its stiffness": {"stiffness": 0.5 * DEFAULT.gear.stiffness},
+        "four times its stiffness": {"stiffness": 4 * DEFAULT.gear.stiffness},
+        "three times its damping": {"damping": 3 * DEFAULT.gear.damping},
+        "a third of its damping": {"damping": DEFAULT.gear.damping / 3},
         "speed of 30 rps": {"omega_ref": 2 * pi * 30},
     }
     for name, change in kinds.items():
-        joint, cells = Joint(**change), []
+        joint, cells = load_joint(**change), []
         for gap in (0.0, 0.0011):
             speed = simulate(joint, half_gap=gap, duration=12 * joint.turn).speed
             speed = speed + 0.1 * np.random.default_rng(1).uniform(-0.5, 0.5, len(speed))
             recording = Recording(0.0, 0.002, speed)
             try:
-                found = estimate(recording, Settings(gear_ratio=joint.gear_ratio, calibration=None, resamples=0))
+                found = estimate(recording, Settings(gear_ratio=joint.gear.gear_ratio, calibration=None, resamples=0))
                 cells.append(found.verdict)
             except bench.BenchError:  # such as a speed that the controller does not hold
                 cells.append("refused")

@@ -24,6 +24,51 @@ def _quantity(default: float, meaning: str, *, may_be_zero: bool = False) -> flo
 
 
 @dataclass(frozen=True)
+class Drive:
+    """The motor, and the position loop around a PI speed loop that controls it."""
+
+    motor_inertia: float = _quantity(3.4e-5, "Jm, kg m²")
+    torque_constant: float = _quantity(
+        1.0, "the motor's torque for a current of 1 A, N m/A; it scales the current alone"
+    )
+    omega_ref: float = _quantity(2 * pi * 100, "constant reference speed of the motor, rad/s (2 pi times the rps)")
+    speed_gain: float = _quantity(0.0297, "Kv, proportional gain of the speed loop, N m s/rad")
+    integral_gain: float = _quantity(254.0, "ki, integral gain of the speed loop relative to Kv, 1/s", may_be_zero=True)
+    position_gain: float = _quantity(31.0, "kpp, proportional gain of the position loop, 1/s", may_be_zero=True)
+
+
+@dataclass(frozen=True)
+class Gear:
+    """The elastic transmission with backlash between motor and load (eqs. 4.1 to 4.6)."""
+
+    gear_ratio: float = _quantity(40.0, "N, motor turns per load turn")
+    stiffness: float = _quantity(2.25e4, "Ks of the closed transmission, seen from the load, N m/rad")
+    damping: float = _quantity(23.0, "Ds of the closed transmission, seen from the load, N m s/rad", may_be_zero=True)
+    sharpness: float = _quantity(
+        5.5e5, "alpha of eq. 4.5, 1/rad: how abruptly the stiffness vanishes in the gap; converged from 3e5 upwards"
+    )
+
+
+@dataclass(frozen=True)
+class Load:
+    """The unbalanced load and its friction."""
+
+    load_inertia: float = _quantity(0.433, "Jl, kg m²; 0.433 is a point mass of 5 kg at 0.294 m")
+    gravity_torque: float = _quantity(
+        14.43, "m g l, the load's largest gravity torque, N m; 0 for an axis parallel to gravity", may_be_zero=True
+    )
+    viscous_friction: float = _quantity(0.0, "viscous friction at the load, N m s/rad", may_be_zero=True)
+    coulomb_friction: float = _quantity(0.0, "Coulomb friction at the load, N m", may_be_zero=True)
+
+
+FIELDS = {field.name: field for part in (Drive, Gear, Load) for field in fields(part)}
+ORDER = (  # of the parameters in a joint's file
+    "gear_ratio", "omega_ref", "motor_inertia", "load_inertia", "gravity_torque", "stiffness", "damping", "sharpness",
+    "speed_gain", "integral_gain", "position_gain", "viscous_friction", "coulomb_friction", "torque_constant",
+)  # fmt: skip
+
+
+@dataclass(frozen=True)
 class Joint:
     """A motor that turns an unbalanced load through an elastic gear with backlash, under a position loop.
 
@@ -35,49 +80,38 @@ class Joint:
         BenchError: a parameter that is not a finite number or has the wrong sign.
     """
 
-    gear_ratio: float = _quantity(40.0, "N, motor turns per load turn")
-    omega_ref: float = _quantity(2 * pi * 100, "constant reference speed of the motor, rad/s (2 pi times the rps)")
-    motor_inertia: float = _quantity(3.4e-5, "Jm, kg m²")
-    load_inertia: float = _quantity(0.433, "Jl, kg m²; 0.433 is a point mass of 5 kg at 0.294 m")
-    gravity_torque: float = _quantity(
-        14.43, "m g l, the load's largest gravity torque, N m; 0 for an axis parallel to gravity", may_be_zero=True
-    )
-    stiffness: float = _quantity(2.25e4, "Ks of the closed transmission, seen from the load, N m/rad")
-    damping: float = _quantity(23.0, "Ds of the closed transmission, seen from the load, N m s/rad", may_be_zero=True)
-    sharpness: float = _quantity(
-        5.5e5, "alpha of eq. 4.5, 1/rad: how abruptly the stiffness vanishes in the gap; converged from 3e5 upwards"
-    )
-    speed_gain: float = _quantity(0.0297, "Kv, proportional gain of the speed loop, N m s/rad")
-    integral_gain: float = _quantity(254.0, "ki, integral gain of the speed loop relative to Kv, 1/s", may_be_zero=True)
-    position_gain: float = _quantity(31.0, "kpp, proportional gain of the position loop, 1/s", may_be_zero=True)
-    viscous_friction: float = _quantity(0.0, "viscous friction at the load, N m s/rad", may_be_zero=True)
-    coulomb_friction: float = _quantity(0.0, "Coulomb friction at the load, N m", may_be_zero=True)
-    torque_constant: float = _quantity(
-        1.0, "the motor's torque for a current of 1 A, N m/A; it scales the current alone"
-    )
+    drive: Drive = Drive()
+    gear: Gear = Gear()
+    load: Load = Load()
 
     def __post_init__(self) -> None:
-        for parameter in fields(self):
-            value, may_be_zero = getattr(self, parameter.name), parameter.metadata["may_be_zero"]
+        for name, value in self.parameters.items():
+            may_be_zero = FIELDS[name].metadata["may_be_zero"]
             if not is_finite(value) or value < 0 or (value == 0 and not may_be_zero):
                 rule = "finite and not negative" if may_be_zero else "finite and positive"
-                raise BenchError(f"Joint: {parameter.name} must be {rule}, but it is {value!r}.")
+                raise BenchError(f"Joint: {name} must be {rule}, but it is {value!r}.")
+
+    @property
+    def parameters(self) -> dict[str, float]:
+        """The parameters of all parts by name, in the order of a joint's file."""
+        values = vars(self.drive) | vars(self.gear) | vars(self.load)
+        return {name: values[name] for name in ORDER}
 
     @property
     def nominal_speed(self) -> float:
         """The motor's reference speed in turns per second (rps)."""
-        return self.omega_ref / (2 * pi)
+        return self.drive.omega_ref / (2 * pi)
 
     @property
     def turn(self) -> float:
         """The duration of one load turn, s: the period Tf of the disturbance (0.4 s in the thesis)."""
-        return 2 * pi * self.gear_ratio / self.omega_ref
+        return 2 * pi * self.gear.gear_ratio / self.drive.omega_ref
 
     @property
     def friction(self) -> float:
         """The friction at the load at the reference speed, as a part of gravity's torque; from 1 on no gap opens."""
-        torque = self.coulomb_friction + self.viscous_friction * self.omega_ref / self.gear_ratio
-        return torque / self.gravity_torque if self.gravity_torque else inf
+        torque = self.load.coulomb_friction + self.load.viscous_friction * self.drive.omega_ref / self.gear.gear_ratio
+        return torque / self.load.gravity_torque if self.load.gravity_torque else inf
 
 
 def half_gap(level: int) -> float:
@@ -93,7 +127,7 @@ def half_gap(level: int) -> float:
     return (2 * level - 1) / 10_000
 
 
-FIELDS = {field.name: field for field in fields(Joint)}
+DEFAULT = Joint()
 
 # Keys that a file may give instead of the joint's own parameters, and the parameters that each key sets.
 INSTEAD = {
@@ -149,22 +183,23 @@ def load_joint(path: str | Path | None = None, **options: float | None) -> Joint
     angle = settings.get("gravity_angle_deg", 90.0)
     if not 0 <= angle <= 90:
         raise BenchError(f"{where}: gravity_angle_deg must be from 0 (parallel to gravity) to 90, but it is {angle!r}")
-    values = {key: float(value) for key, value in settings.items() if key in FIELDS}
+    values = DEFAULT.parameters | {key: float(value) for key, value in settings.items() if key in FIELDS}
     if {"payload_kg", "lever_m"} & settings.keys():
         mass, lever = settings.get("payload_kg", PAYLOAD), settings.get("lever_m", LEVER)
         values |= {"gravity_torque": mass * GRAVITY * lever, "load_inertia": mass * lever**2}
     if "speed_rps" in settings:
         values["omega_ref"] = 2 * pi * settings["speed_rps"]
-    values["gravity_torque"] = values.get("gravity_torque", Joint().gravity_torque) * sin(radians(angle))
+    values["gravity_torque"] *= sin(radians(angle))
+    drive, gear, load = ({each.name: values[each.name] for each in fields(part)} for part in (Drive, Gear, Load))
     try:
-        return Joint(**values)
+        return Joint(Drive(**drive), Gear(**gear), Load(**load))
     except BenchError as error:
         raise BenchError(f"{where}: {str(error).removeprefix('Joint: ')}") from error
 
 
 def joint_text(joint: Joint) -> str:
     """Return the text of a TOML file with all of the joint's parameters, their meanings and units, for editing."""
-    lines = {name: f"{name} = {float(getattr(joint, name))!r}" for name in FIELDS}
+    lines = {name: f"{name} = {float(value)!r}" for name, value in joint.parameters.items()}
     width = max(map(len, lines.values()))
     rows = "\n".join(f"{line:{width}}  # {FIELDS[name].metadata['meaning']}" for name, line in lines.items())
     return f"""\
@@ -184,8 +219,7 @@ def joint_text(joint: Joint) -> str:
 
 def described(joint: Joint) -> str:
     """Return a description of the joint: the default joint, or its differences from the default joint."""
-    default = Joint()
-    differing = {name: getattr(joint, name) for name in FIELDS if getattr(joint, name) != getattr(default, name)}
+    differing = {name: value for name, value in joint.parameters.items() if value != DEFAULT.parameters[name]}
     if not differing:
         return "default joint"
     return "joint with " + ", ".join(f"{name} = {value:.6g}" for name, value in differing.items())

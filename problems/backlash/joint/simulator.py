@@ -18,13 +18,12 @@ from numba import njit
 from bench.contract.numbers import is_finite, require_positive, require_whole
 from bench.contract.typing import Floats
 from bench.helpers.errors import BenchError
-from problems.backlash.joint.parameters import Joint
+from problems.backlash.joint.parameters import DEFAULT, Joint
 
 STEP = 5e-5  # s; the largest step where the caller gives none
 LARGEST_STEP = 1e-3  # s; beyond it RK4 is unstable on the default joint's fast poles
 DIES_AWAY = 0.3  # s; after it 1% is left of the default joint's transient
 MOST_STEPS = 4_000_000  # 200 s at STEP, which need some 600 MB
-DEFAULT = Joint()
 
 
 @dataclass(frozen=True, eq=False)
@@ -122,7 +121,7 @@ def travel(skip: int, keep: int, step: float, stroke: float, ramp: float) -> Flo
 
 @njit(cache=True, error_model="numpy")
 def derivative(
-    t: float, state: Floats, joint: tuple[float, ...], delta: float, theta0: float, out: Floats,
+    t: float, state: Floats, joint: tuple[tuple[float, ...], ...], delta: float, theta0: float, out: Floats,
     sweep: tuple[float, float] | None = None,
 ) -> None:  # fmt: skip
     """Write the time derivative of state = (q, q', p, p', z) at t (s) to out, both of shape (5,).
@@ -130,7 +129,7 @@ def derivative(
     joint is `astuple(Joint(...))`, all floats; theta0 is the load angle of the reference motion at t = 0, rad. A sweep
     is its stroke and ramp in s (`reference`); None is constant speed, compiled on its own, as it takes half the time.
     """
-    N, omega_ref, Jm, Jl, mgl, Ks, Ds, alpha, Kv, ki, kpp, viscous, coulomb, _ = joint
+    (Jm, _, omega_ref, Kv, ki, kpp), (N, Ks, Ds, alpha), (Jl, mgl, viscous, coulomb) = joint
     q, dq, p, dp, z = state
     gone, speed = t, 1.0
     if sweep is not None:
@@ -155,7 +154,7 @@ def derivative(
 
 @njit(cache=True, error_model="numpy")
 def integrate(
-    start: Floats, joint: tuple[float, ...], delta: float, theta0: float, step: float, skip: int, keep: int,
+    start: Floats, joint: tuple[tuple[float, ...], ...], delta: float, theta0: float, step: float, skip: int, keep: int,
     sweep: tuple[float, float] | None = None,
 ) -> Floats:  # fmt: skip
     """Return the states (keep, 5) after skip, skip + 1, … steps of the classical Runge-Kutta method from start (5,)."""
@@ -183,12 +182,12 @@ def integrate(
 
 def resting_state(joint: Joint, delta: float, theta0: float, *, still: bool = False) -> Floats:
     """Return the state (5,) with the load at angle theta0 (rad) and on a flank of the gap, at its speed or still."""
-    omega_l = joint.omega_ref / joint.gear_ratio
-    tau = joint.gravity_torque * sin(theta0)
+    drive, gear, load = joint.drive, joint.gear, joint.load
+    tau = load.gravity_torque * sin(theta0)
     if not still:
-        tau = tau + joint.viscous_friction * omega_l + joint.coulomb_friction
-    p = -(np.sign(tau) * delta + tau / joint.stiffness)
-    z = tau / (joint.gear_ratio * joint.speed_gain * joint.integral_gain) if joint.integral_gain else 0.0
+        tau = tau + load.viscous_friction * (drive.omega_ref / gear.gear_ratio) + load.coulomb_friction
+    p = -(np.sign(tau) * delta + tau / gear.stiffness)
+    z = tau / (gear.gear_ratio * drive.speed_gain * drive.integral_gain) if drive.integral_gain else 0.0
     return np.array([0.0, 0.0, p, 0.0, z])
 
 
@@ -242,11 +241,11 @@ def simulate(
                 f"simulate: with an encoder, settle must be at least one sampling period, but it is {settle!r} s."
             )
 
-    omega_l = joint.omega_ref / joint.gear_ratio
+    omega_l = joint.drive.omega_ref / joint.gear.gear_ratio
     stroke = _stroke(omega_l, sweep, ramp)
     theta0 = start_angle - omega_l * reference(skip * step, stroke, ramp)[0]
     keep = lead + (samples - 1) * stride + 1
-    constants = tuple(map(float, astuple(joint)))  # an int would make numba compile the kernel again
+    constants = tuple(tuple(map(float, part)) for part in astuple(joint))  # an int would make numba compile it again
     start = resting_state(joint, half_gap, theta0, still=sweep is not None)
     steps = float(step), skip - lead, keep
     states = integrate(
@@ -262,7 +261,7 @@ def simulate(
     fine = _trajectory(joint, start_angle, step, path[lead:], states[lead:])
     speed, position = fine.speed[::stride].copy(), fine.position[::stride].copy()
     if encoder_bits is not None:
-        turns = (joint.omega_ref * path[::stride, 0] + states[::stride, 0]) / (2 * pi)
+        turns = (joint.drive.omega_ref * path[::stride, 0] + states[::stride, 0]) / (2 * pi)
         counts = np.floor(turns * 2**encoder_bits) / 2**encoder_bits
         speed, position = np.diff(counts) * rate, 2 * pi * counts[1:]
     if sweep is None:
@@ -322,12 +321,12 @@ def _trajectory(joint: Joint, start_angle: float, step: float, path: Floats, sta
     """Turn the reference motion (m, 3) and the states (m, 5) into physical signals."""
     q, dq, p, _, z = states.T
     gone, shape, acceleration = path.T
-    N, omega_ref = joint.gear_ratio, joint.omega_ref
+    drive, N, omega_ref = joint.drive, joint.gear.gear_ratio, joint.drive.omega_ref
     time = step * np.arange(len(states), dtype=np.float64)
     asked = joint.nominal_speed * shape
-    torque_m = joint.speed_gain * (joint.integral_gain * z - dq - joint.position_gain * q)
-    torque_m += (joint.motor_inertia + joint.load_inertia / N**2) * omega_ref * acceleration
+    torque_m = drive.speed_gain * (drive.integral_gain * z - dq - drive.position_gain * q)
+    torque_m += (drive.motor_inertia + joint.load.load_inertia / N**2) * omega_ref * acceleration
     return Trajectory(
-        time, asked + dq / (2 * pi), asked, omega_ref * gone + q, torque_m / joint.torque_constant,
+        time, asked + dq / (2 * pi), asked, omega_ref * gone + q, torque_m / drive.torque_constant,
         start_angle + omega_ref / N * gone + p, q / N - p,
     )  # fmt: skip

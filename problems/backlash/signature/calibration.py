@@ -285,7 +285,7 @@ def calibrate(joint: Joint, half_gaps: Sequence[float]) -> Calibration:
     """
     if not 2 <= len(half_gaps) <= MOST_GAPS:
         raise BenchError(f"a calibration takes from 2 to {MOST_GAPS} simulated half-gaps, not {len(half_gaps)}")
-    if joint.gravity_torque and joint.friction >= 1:
+    if joint.load.gravity_torque and joint.friction >= 1:
         raise BenchError(
             f"no calibration: friction of {joint.friction:.0%} of gravity's torque keeps the gears on one flank, so no "
             "gap opens and none can be seen; turn the joint slower, or load it"
@@ -300,7 +300,7 @@ def calibrate(joint: Joint, half_gaps: Sequence[float]) -> Calibration:
     extent = f"half-gaps {gaps.min():g} … {gaps.max():g} rad"
     return Calibration(
         amplitude, gaps, f"{described(joint)}, simulated, {extent}",
-        gear_ratio=joint.gear_ratio, speed_rps=joint.nominal_speed, friction=joint.friction,
+        gear_ratio=joint.gear.gear_ratio, speed_rps=joint.nominal_speed, friction=joint.friction,
     )  # fmt: skip
 
 

@@ -8,10 +8,8 @@ import numpy as np
 from bench.contract.numbers import require_whole
 from bench.helpers.errors import BenchError
 from problems.backlash import LEVELS
-from problems.backlash.joint import Joint, half_gap, simulate, with_noise
+from problems.backlash.joint import DEFAULT, Joint, half_gap, simulate, with_noise
 from problems.backlash.recordings import Recording
-
-DEFAULT = Joint()
 
 RATE = 500.0  # Hz
 NOISES = ("low", "high")  # the levels of noise of section 7.3

@@ -13,10 +13,9 @@ from matplotlib.figure import Figure
 
 from bench.helpers import replacing
 from bench.plots import style
-from problems.backlash.joint import Joint, simulate
+from problems.backlash.joint import DEFAULT, Joint, simulate
 from problems.backlash.joint.simulator import variable_stiffness
 from problems.backlash.signature.calibration import EQUATION_4_7, Calibration
-from problems.backlash.signature.datasets import DEFAULT
 
 DELTA, SHORT, AMPLITUDE = "half-gap δ in 1e-6 rad", "δ in 1e-6 rad", "amplitude A in rpm"
 
@@ -49,7 +48,7 @@ def stiffness(joint: Joint, half_gaps: Sequence[float]) -> Figure:
     ax = figure.subplots()
     twist = np.linspace(-1.5 * half_gaps[-1], 1.5 * half_gaps[-1], 2001)
     for gap, color in zip((half_gaps[0], half_gaps[-1]), style.PALETTE[:2], strict=True):
-        found = variable_stiffness(twist, gap, joint.stiffness, joint.sharpness)
+        found = variable_stiffness(twist, gap, joint.gear.stiffness, joint.gear.sharpness)
         ax.plot(1e6 * twist, found, color=color, linewidth=1.0, label=f"{1e6 * gap:.0f}")
     ax.set_xlabel("angle across the transmission in 1e-6 rad")
     ax.set_ylabel("stiffness in N m/rad")
@@ -66,7 +65,7 @@ def signals(joint: Joint, gap: float) -> Figure:
     axes = figure.subplots(3, sharex=True)
     for half_gap_rad, color in ((0.0, style.REFERENCE), (gap, style.PALETTE[0])):
         motion = simulate(joint, half_gap=half_gap_rad, duration=joint.turn).fine
-        position = motion.position - joint.omega_ref * motion.time
+        position = motion.position - joint.drive.omega_ref * motion.time
         for ax, values in zip(axes, (position, motion.speed, motion.current), strict=True):
             ax.plot(motion.time, values, color=color, linewidth=0.8, label=f"{1e6 * half_gap_rad:.0f}")
     for ax, label in zip(axes, ("position less\nreference in rad", "speed in rps", "current in A"), strict=True):

@@ -8,7 +8,7 @@ from scipy.integrate import solve_ivp
 from scipy.stats import kstest
 
 from bench.helpers.errors import BenchError
-from problems.backlash.joint import Joint, half_gap, simulate, with_noise
+from problems.backlash.joint import DEFAULT, half_gap, simulate, with_noise
 from problems.backlash.joint.simulator import derivative, resting_state
 
 FINEST = 2e-6  # s
@@ -16,15 +16,15 @@ FINEST = 2e-6  # s
 
 def by_scipy(level, rtol, atol):
     """The speed of level's first 0.8 s, as `simulate(duration=0.8)` gives it, by scipy's LSODA."""
-    joint, delta = Joint(), half_gap(level)
-    theta0 = 0.141 - joint.omega_ref / joint.gear_ratio * 1.2
+    delta = half_gap(level)
+    theta0 = 0.141 - DEFAULT.drive.omega_ref / DEFAULT.gear.gear_ratio * 1.2
 
     def rate(t, state):
         out = np.empty(5)
-        derivative(t, state, astuple(joint), delta, theta0, out)
+        derivative(t, state, astuple(DEFAULT), delta, theta0, out)
         return out
 
-    start = resting_state(joint, delta, theta0)
+    start = resting_state(DEFAULT, delta, theta0)
     times = np.minimum(1.2 + np.arange(401) / 500, 2.0)
     options = {"method": "LSODA", "rtol": rtol, "atol": atol, "max_step": 1e-3}
     return 100 + solve_ivp(rate, (0, 2.0), start, t_eval=times, **options).y[1] / (2 * np.pi)

@@ -5,7 +5,7 @@ from dataclasses import astuple
 import numpy as np
 import pytest
 
-from problems.backlash.joint import Joint, half_gap, simulate
+from problems.backlash.joint import DEFAULT, half_gap, load_joint, simulate
 from problems.backlash.joint.simulator import derivative, gap_torque, integrate, resting_state
 
 PEAKS = [
@@ -17,7 +17,7 @@ TABLE_7_3 = [0.2769, 0.4159, 0.5245, 0.6263, 0.7246, 0.8162, 0.8976, 0.9757, 1.0
 
 def poles(dtheta, delta):
     """Eigenvalues of the simulator's own right-hand side without gravity, linearised numerically at dtheta."""
-    constants = astuple(Joint(gravity_torque=0.0))
+    constants = astuple(load_joint(gravity_torque=0.0))
     point, small = np.array([0, 0, -dtheta, 0, 0.0]), np.array([1e-6, 1e-3, 1e-8, 1e-5, 1e-6])
     jacobian, high, low = np.empty((5, 5)), np.empty(5), np.empty(5)
     for j, step in enumerate(small):
@@ -52,10 +52,10 @@ def test_poles_with_the_gap_open():
 
 
 def test_stiffness_and_torque_of_the_gap():
-    joint = Joint()
-    laws = (0.001, joint.stiffness, joint.damping, joint.sharpness)
-    assert gap_torque(0.002, 0.1, *laws) == pytest.approx(joint.stiffness * 0.001 + joint.damping * 0.1, rel=1e-3)
-    assert gap_torque(-0.002, 0.0, *laws) == pytest.approx(-joint.stiffness * 0.001, rel=1e-3)
+    gear = DEFAULT.gear
+    laws = (0.001, gear.stiffness, gear.damping, gear.sharpness)
+    assert gap_torque(0.002, 0.1, *laws) == pytest.approx(gear.stiffness * 0.001 + gear.damping * 0.1, rel=1e-3)
+    assert gap_torque(-0.002, 0.0, *laws) == pytest.approx(-gear.stiffness * 0.001, rel=1e-3)
     assert abs(gap_torque(0.0005, 0.0, *laws)) < 0.02
     # The known flaw of eq. (4.6) at finite alpha: at dtheta = 0 the torque jumps and opposes the twist.
     assert gap_torque(1e-12, 0.0, *laws) == pytest.approx(-0.026, abs=1e-3)
@@ -122,20 +122,20 @@ def test_parallel_to_gravity_a_disturbance_dies_at_any_gap(level, friction):
         states = integrate(push, astuple(joint), half_gap(level), 0.0, 5e-5, 0, 96000)
         return np.max(np.abs(states[-8000:, 1])) / (2 * np.pi)
 
-    assert last_turn(Joint(gravity_torque=0.0, coulomb_friction=friction)) < 1e-6
-    assert last_turn(Joint(coulomb_friction=friction)) > 0.4
+    assert last_turn(load_joint(gravity_torque=0.0, coulomb_friction=friction)) < 1e-6
+    assert last_turn(load_joint(coulomb_friction=friction)) > 0.4
 
 
 def test_shock_damping_holds_the_peak_down(simulated):
     growth = [
-        simulate(Joint(damping=0.0), half_gap=half_gap(k), duration=0.4).peak / simulated(k).peak for k in (3, 13)
+        simulate(load_joint(damping=0.0), half_gap=half_gap(k), duration=0.4).peak / simulated(k).peak for k in (3, 13)
     ]
     assert min(growth) > 1.10
     assert max(growth) < 1.18
 
 
 def test_another_reference_speed_moves_the_whole_signal():
-    joint = Joint(omega_ref=2 * np.pi * 50)
+    joint = load_joint(omega_ref=2 * np.pi * 50)
     simulation = simulate(joint, half_gap=half_gap(8), duration=1.6, encoder_bits=19)
     assert np.mean(simulation.speed[:400]) == pytest.approx(50, abs=0.01)
     assert np.mean(simulation.fine.speed) == pytest.approx(50, abs=0.01)

@@ -5,7 +5,7 @@ import pandas as pd
 import pytest
 from scipy.optimize import least_squares
 
-from problems.backlash.joint import Joint, half_gap, simulate
+from problems.backlash.joint import DEFAULT, half_gap, load_joint, simulate
 
 LEVELS = [3, 5, 8, 11, 12]
 
@@ -30,7 +30,7 @@ def nrmse(recorded, joint, level):
 
 @pytest.mark.parametrize("level", LEVELS)
 def test_reproduces_the_recordings(recorded, level):
-    assert nrmse(recorded, Joint(), level) < 0.07
+    assert nrmse(recorded, DEFAULT, level) < 0.07
 
 
 @pytest.mark.parametrize(
@@ -47,7 +47,7 @@ def test_reproduces_the_recordings(recorded, level):
     ],
 )
 def test_every_term_is_needed(recorded, change, level, low, high):
-    assert low < nrmse(recorded, Joint(**change), level) < high
+    assert low < nrmse(recorded, load_joint(**change), level) < high
 
 
 def oscillation(turn, first):

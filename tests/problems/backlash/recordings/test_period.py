@@ -5,7 +5,7 @@ from math import pi
 import numpy as np
 import pytest
 
-from problems.backlash.joint import Joint, half_gap, simulate
+from problems.backlash.joint import half_gap, load_joint, simulate
 from problems.backlash.recordings import Recording, read
 from problems.backlash.recordings.period import find_period, period_from_gear
 from problems.backlash.signature.datasets import dataset
@@ -29,7 +29,7 @@ def test_the_period_of_every_dataset_is_found_to_a_twelfth_of_a_sample(level, ti
 @pytest.mark.parametrize("speed", [60.0, 40 / 0.408, 127.0])
 @pytest.mark.parametrize("level", [2, 12])
 def test_a_period_of_no_whole_number_of_samples_is_found(speed, level):
-    joint = Joint(omega_ref=2 * pi * speed)
+    joint = load_joint(omega_ref=2 * pi * speed)
     made = noisy(level, simulate(joint, half_gap=half_gap(level)).speed, 1)
     assert find_period(made) == pytest.approx(joint.turn, abs=SAMPLE / 12)
     assert period_from_gear(made, 40.0) == pytest.approx(joint.turn, abs=SAMPLE / 24)
@@ -37,7 +37,7 @@ def test_a_period_of_no_whole_number_of_samples_is_found(speed, level):
 
 def test_the_period_is_made_whole_only_where_that_is_within_its_uncertainty():
     assert find_period(Recording(0.0, SAMPLE, dataset(12).speed)) == 0.4
-    joint = Joint(omega_ref=2 * pi * 60)
+    joint = load_joint(omega_ref=2 * pi * 60)
     between = find_period(Recording(0.0, SAMPLE, simulate(joint, half_gap=half_gap(12)).speed))
     assert between == pytest.approx(2 / 3, abs=1e-5)
     assert abs(between / (2 * SAMPLE) % 1 - 2 / 3) < 0.01

@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from problems.backlash.joint import Joint, simulate
+from problems.backlash.joint import load_joint, simulate
 from problems.backlash.recordings import Recording
 from problems.backlash.sensor import evidence
 from problems.backlash.sensor.estimate import Settings, estimate, signature_problem
@@ -145,7 +145,7 @@ def test_an_interval_that_contains_the_limit_leaves_the_verdict_open():
     ],
 )
 def test_a_calibration_of_another_joint_or_speed_gives_no_half_gap_and_no_verdict(joint, settings, differs):
-    made = Joint(**joint)
+    made = load_joint(**joint)
     speed = simulate(made, half_gap=0.0023, duration=12 * made.turn).speed
     found = estimate(Recording(0.0, 0.002, speed), Settings(resamples=0, **settings))
     if differs is None:

@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from problems.backlash.joint import Joint, simulate
+from problems.backlash.joint import DEFAULT, load_joint, simulate
 from problems.backlash.recordings import Recording
 from problems.backlash.sensor.estimate import Settings, estimate
 from problems.backlash.sensor.evidence import SIGNIFICANT
@@ -19,7 +19,7 @@ def recorded(speed, seed=1, noise=0.2):
 
 
 def worn(gap, friction=0.0):
-    return simulate(Joint(coulomb_friction=friction * Joint().gravity_torque), half_gap=gap).speed
+    return simulate(load_joint(coulomb_friction=friction * DEFAULT.load.gravity_torque), half_gap=gap).speed
 
 
 @pytest.fixture(scope="module")

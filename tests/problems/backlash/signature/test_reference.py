@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 import bench
-from problems.backlash.joint import Joint, simulate
+from problems.backlash.joint import load_joint, simulate
 from problems.backlash.recordings import Recording
 from problems.backlash.signature import model
 from problems.backlash.signature.datasets import noisy
@@ -87,7 +87,7 @@ def test_a_signature_is_found_again_in_its_own_signal(options, shape):
 
 @pytest.mark.slow
 def test_a_period_between_samples_is_fitted_as_well_as_by_long_runs():
-    joint = Joint(omega_ref=2 * np.pi * 81.3)
+    joint = load_joint(omega_ref=2 * np.pi * 81.3)
     made = simulate(joint, half_gap=0.0015, duration=12 * joint.turn)
     problem = SignatureFit("recording", Recording(0.0, 0.002, made.speed), period=joint.turn)
     assert problem._folded.shift == 0
