@@ -108,7 +108,7 @@ def row(noise, level, made, found, seconds):
         "noise": noise,
         "level": level,
         "amplitude": found.amplitude_rps / made.peak - 1,
-        "fit's |A|": abs(found.variables["A"]) / made.peak - 1,
+        "fit's |A|": abs(found.fit.variables["A"]) / made.peak - 1,
         "gap": found.backlash_rad - made.half_gap,
         "held": low <= made.peak <= high,
         "gap held": least <= made.half_gap <= most,

@@ -205,8 +205,8 @@ def two_recordings():
         speed = simulate(load_joint(speed_rps=98.04), half_gap=gap).speed
         noisy = with_noise(speed, 0.4, np.random.default_rng(seed))
         found = estimate(Recording(0.0, 0.002, noisy), Settings(gear_ratio=40.0, calibration=None, resamples=0))
-        size = abs(found.variables["A"])
-        yield f"half-gap {gap:g} rad: |A| {size:.3f} rps, printed {theirs:.3f}; RMSE {found.rmse_rps:.2f} rps"
+        size = abs(found.fit.variables["A"])
+        yield f"half-gap {gap:g} rad: |A| {size:.3f} rps, printed {theirs:.3f}; RMSE {found.fit.rmse_rps:.2f} rps"
 
 
 def gears():

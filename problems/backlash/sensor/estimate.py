@@ -72,10 +72,39 @@ class Settings:
 
 
 @dataclass(frozen=True, eq=False)
-class Inference:
-    """The backlash of a joint as a reference fit implies it.
+class FittedRecording:
+    """The reference fit of a recording.
 
     Attributes:
+        rmse_rps: the RMSE of the fit.
+        explained: the share of the signal's variance that the fit explains, 0 to 1.
+        variables: A, t0, tau, omega, v_t, T1 and T2 of the fit, in rps, s, 1/s and rad/s; v_t from the mean speed.
+        period_s: T_f.
+        period_source: "gear ratio", "calibration", "signal" or "assumed".
+        delay_s: T_d, the time from the fit's first oscillation to its second one: half of T_f unless friction delays
+            one of them.
+        problem: the fit as a problem, whose recording has its impacts evenly apart.
+        recording: the fitted part of the recording.
+        fitted: (N,) the speed of the fit in rps.
+    """
+
+    rmse_rps: float
+    explained: float
+    variables: dict[str, float]
+    period_s: float
+    period_source: str
+    delay_s: float
+    problem: SignatureFit
+    recording: Recording
+    fitted: Floats
+
+
+@dataclass(frozen=True, eq=False)
+class Estimate:
+    """The backlash of a joint as the reference fit of one recording implies it.
+
+    Attributes:
+        fit: the reference fit.
         p_value: that noise alone gives so good impacts (:class:`problems.backlash.sensor.load_turn.LoadTurn`), or for
             less than two load turns so good a fit (:func:`problems.backlash.sensor.evidence.p_value`).
         amplitude_rps: the peak of the disturbance, inferred from the fit by the calibration; the fit's |A| outside the
@@ -89,8 +118,11 @@ class Inference:
             repeats every load turn is no train of impacts, or one of a joint with another friction than the
             calibration's; "backlash" where there is no calibration of this joint at this speed.
         notes: remarks on the recording or the estimate, a sentence each.
+        calibration: the name of the calibration; "" for none, and where that of the settings is of another joint or
+            speed than the recording.
     """
 
+    fit: FittedRecording
     p_value: float
     amplitude_rps: float
     amplitude_interval_rps: Interval
@@ -98,42 +130,7 @@ class Inference:
     interval_rad: Interval
     verdict: str
     notes: tuple[str, ...]
-
-
-@dataclass(frozen=True, eq=False, kw_only=True)
-class Estimate(Inference):
-    """The estimate of the backlash of a joint from one recording.
-
-    Attributes:
-        rmse_rps: the RMSE of the fit.
-        explained: the share of the signal's variance that the fit explains, 0 to 1.
-        variables: A, t0, tau, omega, v_t, T1 and T2 of the fit, in rps, s, 1/s and rad/s; v_t from the mean speed.
-        period_s: T_f.
-        period_source: "gear ratio", "calibration", "signal" or "assumed".
-        delay_s: T_d, the time from the fit's first oscillation to its second one: half of T_f unless friction delays
-            one of them.
-        calibration: the name of the calibration; "" for none, and where that of the settings is of another joint or
-            speed than the recording.
-        problem: the fit as a problem, whose recording has its impacts evenly apart.
-        recording: the fitted part of the recording.
-        fitted: (N,) the speed of the fit in rps.
-    """
-
-    rmse_rps: float
-    explained: float
-    variables: dict[str, float]
-    period_s: float
-    period_source: str
-    delay_s: float
-    calibration: str
-    problem: SignatureFit
-    recording: Recording
-    fitted: Floats
-
-    @property
-    def mean_rps(self) -> float:
-        """The mean speed."""
-        return self.problem.mean_rps
+    calibration: str = ""
 
 
 def estimate(recording: Recording, settings: Settings | None = None) -> Estimate:
@@ -157,6 +154,22 @@ def estimate(recording: Recording, settings: Settings | None = None) -> Estimate
     fitted = parts.model(recording.time, x) if parts else problem.model(x)
     fitted += problem.mean_rps
     residual = recording.speed - fitted
+    variables = dict(zip(problem.variables, map(float, x), strict=True))
+    delay = period / 2
+    if parts:
+        variables["t0"], second = parts.onsets(float(x[T0]))[:2].tolist()
+        delay = second - variables["t0"]
+    fit = FittedRecording(
+        rmse_rps=float(np.sqrt(np.mean(residual**2))),
+        explained=max(0.0, 1.0 - float(residual.var() / recording.speed.var())),
+        variables=variables,
+        period_s=period,
+        period_source=source,
+        delay_s=delay,
+        problem=problem,
+        recording=recording,
+        fitted=fitted,
+    )
     calibration = settings.calibration
     ratio = settings.gear_ratio or (abs(problem.mean_rps) * period if source == "signal" else None)
     if calibration and (differences := calibration.differences(problem.mean_rps, ratio)):
@@ -169,32 +182,16 @@ def estimate(recording: Recording, settings: Settings | None = None) -> Estimate
     if lost or (other := _other_joint(problem, calibration, folded)):
         calibration = None
     if folded and lost:
-        inferred = _undecided(problem, folded, str(lost))
+        inferred = _undecided(fit, folded, str(lost))
     else:
-        inferred = infer_backlash(problem, replace(settings, calibration=calibration), folded)
+        inferred = infer_backlash(fit, replace(settings, calibration=calibration), folded)
         if other:
             inferred = replace(inferred, verdict="undecided", notes=(*inferred.notes, other))
     if source == "assumed" and not settings.single and inferred.verdict == "no backlash":
         inferred = replace(inferred, verdict="undecided", notes=(*inferred.notes, *remarks))
         remarks = []
-    variables = dict(zip(problem.variables, map(float, x), strict=True))
-    delay = period / 2
-    if parts:
-        variables["t0"], second = parts.onsets(float(x[T0]))[:2].tolist()
-        delay = second - variables["t0"]
-    return Estimate(
-        **(vars(inferred) | {"notes": (*notes, *remarks, *inferred.notes)}),
-        rmse_rps=float(np.sqrt(np.mean(residual**2))),
-        explained=max(0.0, 1.0 - float(residual.var() / recording.speed.var())),
-        variables=variables,
-        period_s=period,
-        period_source=source,
-        delay_s=delay,
-        calibration=calibration.name or "without a name" if calibration else "",
-        problem=problem,
-        recording=recording,
-        fitted=fitted,
-    )
+    name = calibration.name or "without a name" if calibration else ""
+    return replace(inferred, notes=(*notes, *remarks, *inferred.notes), calibration=name)
 
 
 def _other_joint(problem: SignatureFit, calibration: Calibration | None, folded: LoadTurn | None) -> str:
@@ -283,41 +280,41 @@ def signature_problem(recording: Recording, settings: Settings, period: float) -
     return SignatureFit("recording", recording, period=period, turns=turns, single=settings.single)
 
 
-def infer_backlash(problem: SignatureFit, settings: Settings, folded: LoadTurn | None = None) -> Inference:
-    """Infer amplitude, half-gap and verdict from the reference fit of a problem in rps and the folded load turn."""
-    x = problem.reference().x
+def infer_backlash(fit: FittedRecording, settings: Settings, folded: LoadTurn | None = None) -> Estimate:
+    """Infer amplitude, half-gap and verdict from the reference fit of a recording and its folded load turn."""
+    problem = fit.problem
     if folded is None:
-        p = p_value(problem, problem.model(x))
-        return _undetected(p, detectable(problem), settings) if p > SIGNIFICANT else _detected(problem, x, p, settings)
+        p = p_value(problem, problem.model(problem.reference().x))
+        return _undetected(fit, p, detectable(problem), settings) if p > SIGNIFICANT else _detected(fit, p, settings)
     if folded.p_value > SIGNIFICANT:
-        return _undetected(folded.p_value, folded.detectable, settings)
+        return _undetected(fit, folded.p_value, folded.detectable, settings)
     if folded.impacting:
-        return _detected(problem, x, folded.p_value, settings, folded)
+        return _detected(fit, folded.p_value, settings, folded)
     if folded.steady and (rest := folded.without_tones()):
         note = f"a steady tone of {folded.loudest:.4g} Hz, no impacts, is what repeats every load turn"
-        return _undetected(rest.p_value, rest.detectable, settings, note)
+        return _undetected(fit, rest.p_value, rest.detectable, settings, note)
     note = (
         f"impacts explain {folded.share:.0%} of what repeats every load turn, and steady tones more: remove these"
         if folded.steady
         else f"the disturbance is asymmetric: impacts explain only {folded.share:.0%} of what repeats every load turn"
     )
-    return _undecided(problem, folded, note)
+    return _undecided(fit, folded, note)
 
 
-def _undecided(problem: SignatureFit, folded: LoadTurn, note: str) -> Inference:
-    """Return the inference from what repeats but is no unbroken train of impacts."""
+def _undecided(fit: FittedRecording, folded: LoadTurn, note: str) -> Estimate:
+    """Return the estimate from what repeats but is no unbroken train of impacts."""
     unknown = (math.nan, math.nan)
-    size = abs(float(problem.reference().x[A]))
-    return Inference(folded.p_value, size, unknown, math.nan, unknown, "undecided", (note,))
+    size = abs(float(fit.problem.reference().x[A]))
+    return Estimate(fit, folded.p_value, size, unknown, math.nan, unknown, "undecided", (note,))
 
 
-def _undetected(p: float, most: float, settings: Settings, *notes: str) -> Inference:
-    """Return the inference from noise alone: amplitude 0, and what the noise may hide as the end of the intervals."""
+def _undetected(fit: FittedRecording, p: float, most: float, settings: Settings, *notes: str) -> Estimate:
+    """Return the estimate from noise alone: amplitude 0, and what the noise may hide as the end of the intervals."""
     calibration = settings.calibration
     least = infer_gap(0.0, calibration)
     # a smaller half-gap than the tolerance is never distinguished from none
     largest = float(np.maximum(infer_gap(most, calibration), TOLERANCE_RAD))
-    inferred = Inference(p, 0.0, (0.0, most), least, (least, largest), "no backlash", notes)
+    inferred = Estimate(fit, p, 0.0, (0.0, most), least, (least, largest), "no backlash", notes)
     if calibration is None:
         short = "the recording is too short or too noisy to show a backlash of any size; record more load turns"
         return inferred if math.isfinite(most) else replace(inferred, verdict="undecided", notes=(*notes, short))
@@ -328,10 +325,9 @@ def _undetected(p: float, most: float, settings: Settings, *notes: str) -> Infer
     return replace(inferred, verdict="undecided", notes=(*notes, note))
 
 
-def _detected(
-    problem: SignatureFit, x: Floats, p: float, settings: Settings, folded: LoadTurn | None = None
-) -> Inference:
-    """Return the inference from a detected disturbance."""
+def _detected(fit: FittedRecording, p: float, settings: Settings, folded: LoadTurn | None = None) -> Estimate:
+    """Return the estimate from a detected disturbance."""
+    problem, x = fit.problem, fit.problem.reference().x
     calibration, rng = settings.calibration, np.random.default_rng(0)
     notes = []
     amplitude = infer_peak(x, calibration)
@@ -368,7 +364,7 @@ def _detected(
     if "undecided" in verdicts or ("progressed" in verdicts and len(verdicts) > 1):
         verdict = "undecided"
         notes.append(why_undecided(settings))
-    return Inference(p, amplitude, (low, high), gap, gaps, verdict, tuple(notes))
+    return Estimate(fit, p, amplitude, (low, high), gap, gaps, verdict, tuple(notes))
 
 
 def why_undecided(settings: Settings) -> str:

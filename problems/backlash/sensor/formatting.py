@@ -48,15 +48,15 @@ def is_alarm(estimate: Estimate, least: str) -> bool:
 
 def estimate_lines(outcome: Estimated, settings: Settings, width: int | None = None) -> list[str]:
     """Return the lines on one estimate, with its verdict first; with a ``width``, longer lines are broken."""
-    estimate, samples = outcome.estimate, outcome.estimate.recording
+    estimate, fit = outcome.estimate, outcome.estimate.fit
     rows = _amount(estimate, settings) if estimate.amplitude_rps else _hidden(estimate, settings)
     chance = f"p = {estimate.p_value:.1g}" if estimate.p_value >= 1e-6 else "p < 1e-6"
-    explained = f"explains {estimate.explained:.1%} of the signal's variance ({chance} for noise alone)"
-    turn = f"{estimate.period_s:.6g} s ({SOURCE.get(estimate.period_source, estimate.period_source)})"
-    length = f"{samples.duration:.4g} s, {samples.duration / estimate.period_s:.4g} load turns"
+    explained = f"explains {fit.explained:.1%} of the signal's variance ({chance} for noise alone)"
+    turn = f"{fit.period_s:.6g} s ({SOURCE.get(fit.period_source, fit.period_source)})"
+    length = f"{fit.recording.duration:.4g} s, {fit.recording.duration / fit.period_s:.4g} load turns"
     rows += [
-        ("fit", f"RMSE {estimate.rmse_rps:.4f} rps; {explained}"),
-        ("load turn", f"{turn}; {length}, {len(samples.speed)} samples at {estimate.mean_rps:.4g} rps"),
+        ("fit", f"RMSE {fit.rmse_rps:.4f} rps; {explained}"),
+        ("load turn", f"{turn}; {length}, {len(fit.recording.speed)} samples at {fit.problem.mean_rps:.4g} rps"),
     ]
     if estimate.calibration:
         rows += zip(("calibration", "", ""), calibration_of(settings), strict=False)
@@ -113,7 +113,7 @@ def table(outcomes: Sequence[Estimated | Failed], names: Sequence[str], width: i
             _range(estimate.interval_rad, ".3f", 1e3),
             f"{estimate.amplitude_rps:.4f}",
             _range(estimate.amplitude_interval_rps, ".4f"),
-            f"{estimate.rmse_rps:.4f}",
+            f"{estimate.fit.rmse_rps:.4f}",
         )
         verdict = Text(estimate.verdict, style=STYLES.get(estimate.verdict, ""))
         made.add_row(verdict, short, *numbers[: len(shown)])
@@ -231,7 +231,7 @@ def _hidden(estimate: Estimate, settings: Settings) -> list[tuple[str, str]]:
         settings.calibration if estimate.calibration else None,
     )
     hidden = f"the noise hides any below {most:.4f} rps"
-    if most > np.ptp(estimate.recording.speed):
+    if most > np.ptp(estimate.fit.recording.speed):
         hidden = "the recording is too short or too noisy to show one"
     rows = [("amplitude", f"none detected; {hidden}")]
     if calibration and 60 * most > calibration.range[1]:

@@ -8,7 +8,7 @@ import pandas as pd
 
 from bench.report import Figure, Line, Section, Table, Typography, count, write_page
 from problems.backlash.sensor.batch import Estimated, Failed
-from problems.backlash.sensor.estimate import CONFIDENCE, Settings
+from problems.backlash.sensor.estimate import CONFIDENCE, FittedRecording, Settings
 from problems.backlash.sensor.formatting import PER, calibration_of, notes, trend_lines
 from problems.backlash.sensor.plots import fit_figure, trend_figure
 from problems.backlash.sensor.records import csv_rows
@@ -52,7 +52,7 @@ def write(
         Section("Joints", items=(_joints(joints, settings),) if joints else (), lines=lost),
         Section("Verdicts and trends", text, (*_trend(trends, settings), table)),
     ]
-    fits = tuple(Section(name, (), (_fit(name, outcome, settings),), folded=True) for name, outcome in good)
+    fits = tuple(Section(name, (), (_fit(name, outcome.estimate.fit),), folded=True) for name, outcome in good)
     if fits:
         sections.append(Section("Fits", ("Open a recording to see its fit and residual.",), sections=fits))
     if remarks:
@@ -135,9 +135,6 @@ def _trend(trends: Sequence[Trend], settings: Settings) -> list[Figure]:
     ]  # fmt: skip
 
 
-def _fit(name: str, outcome: Estimated, settings: Settings) -> Figure:
-    estimate = outcome.estimate
-    data = pd.DataFrame([estimate.variables])
-    return Figure(
-        f"fit {name}", f"Recording, fit and residual of {name}.", fit_figure(estimate, single=settings.single), data
-    )
+def _fit(name: str, fit: FittedRecording) -> Figure:
+    data = pd.DataFrame([fit.variables])
+    return Figure(f"fit {name}", f"Recording, fit and residual of {name}.", fit_figure(fit), data)

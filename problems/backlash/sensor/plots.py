@@ -15,7 +15,7 @@ from bench.helpers.errors import BenchError
 from bench.plots import style
 from problems.backlash.joint.writing import check_folder
 from problems.backlash.sensor.batch import Estimated
-from problems.backlash.sensor.estimate import Estimate, Settings
+from problems.backlash.sensor.estimate import FittedRecording, Settings
 from problems.backlash.sensor.formatting import BY, UNIT
 from problems.backlash.sensor.trend import Trend
 from problems.backlash.signature.model import VARIABLES, oscillation
@@ -63,23 +63,23 @@ def save_figures(
     with style.context():
         names = unique(file_name(outcome.path.stem) for outcome in outcomes)
         for name, outcome in zip(names, outcomes, strict=True) if alone or not one else ():
-            save(fit_figure(outcome.estimate, single=settings.single), name)
+            save(fit_figure(outcome.estimate.fit), name)
         if trends:
             save(trend_figure(trends, limit_rad=settings.limit_rad), "trend")
     return pictures
 
 
-def fit_figure(estimate: Estimate, *, single: bool) -> Figure:
+def fit_figure(fit: FittedRecording) -> Figure:
     """Plot the fit of a recording: speed and fit; the mean half turn, or the oscillation, larger; the residual."""
     figure = Figure(figsize=(style.PAGE, 5.6), layout="constrained")
     above, middle, below = figure.subplots(3, height_ratios=(2.0, 2.4, 1.0))
-    recording, time = estimate.recording, estimate.recording.time
+    recording, time = fit.recording, fit.recording.time
     dense = len(time) > style.MANY_POINTS  # kept as an image then
     above.plot(time, recording.speed, color=SIGNAL, linewidth=0.5, label="recording", rasterized=dense)
-    above.plot(time, estimate.fitted, color=FIT, linewidth=0.8, label="fit", rasterized=dense)
+    above.plot(time, fit.fitted, color=FIT, linewidth=0.8, label="fit", rasterized=dense)
     above.set(xlabel="time in s", ylabel="motor speed in rps")
-    (_draw_oscillation if single else _draw_half_turn)(middle, estimate)
-    below.plot(time, recording.speed - estimate.fitted, color=SIGNAL, linewidth=0.5, rasterized=dense)
+    (_draw_oscillation if fit.problem.replicas == 1 else _draw_half_turn)(middle, fit)
+    below.plot(time, recording.speed - fit.fitted, color=SIGNAL, linewidth=0.5, rasterized=dense)
     below.axhline(0.0, color=FIT, linewidth=0.8)
     below.set(xlabel="time in s", ylabel="residual in rps")
     for ax in (above, below):
@@ -115,16 +115,16 @@ def trend_figure(trends: Sequence[Trend], *, limit_rad: float) -> Figure:
     return figure
 
 
-def _draw_half_turn(ax: Axes, estimate: Estimate) -> None:
+def _draw_half_turn(ax: Axes, fit: FittedRecording) -> None:
     """Draw all half turns over one another, every second one inverted, their mean and the fit's oscillation."""
-    x = np.array([estimate.variables[name] for name in VARIABLES])
-    turn, delay, dt = estimate.period_s, estimate.delay_s, estimate.recording.dt
+    x = np.array([fit.variables[name] for name in VARIABLES])
+    turn, delay, dt = fit.period_s, fit.delay_s, fit.recording.dt
     half = max(delay, turn - delay)
-    since = (estimate.recording.time - estimate.variables["t0"]) % turn
+    since = (fit.recording.time - fit.variables["t0"]) % turn
     second = since >= delay
-    sign = math.copysign(1.0, estimate.variables["A"]) * np.where(second, -1.0, 1.0)
+    sign = math.copysign(1.0, fit.variables["A"]) * np.where(second, -1.0, 1.0)
     phase = since - delay * second
-    folded = sign * (estimate.recording.speed - estimate.mean_rps - estimate.variables["v_t"])
+    folded = sign * (fit.recording.speed - fit.problem.mean_rps - fit.variables["v_t"])
     ax.plot(
         phase, folded, ".", color=SIGNAL, markersize=1.5, rasterized=len(phase) > style.MANY_POINTS,
         label="its half turns over one another",
@@ -137,19 +137,19 @@ def _draw_half_turn(ax: Axes, estimate: Estimate) -> None:
     )  # fmt: skip
     fine = np.linspace(0.0, half, 1001)[1:-1]
     wave = oscillation(fine, x) - oscillation(fine + turn - half, x)  # the one before may last into this half turn
-    ax.plot(fine, math.copysign(1.0, estimate.variables["A"]) * wave, color=FIT, linewidth=1.0)
+    ax.plot(fine, math.copysign(1.0, fit.variables["A"]) * wave, color=FIT, linewidth=1.0)
     title = "time in s since the half turn's beginning; every second half turn inverted"
     ax.set(xlim=(0.0, half), xlabel=title, ylabel="disturbance in rps")
 
 
-def _draw_oscillation(ax: Axes, estimate: Estimate) -> None:
+def _draw_oscillation(ax: Axes, fit: FittedRecording) -> None:
     """Draw the samples about the one oscillation, and the fit between them."""
-    x = np.array([estimate.variables[name] for name in VARIABLES])
-    t0, end = estimate.variables["t0"], estimate.variables["t0"] + estimate.variables["T2"]
-    time = estimate.recording.time
+    x = np.array([fit.variables[name] for name in VARIABLES])
+    t0, end = fit.variables["t0"], fit.variables["t0"] + fit.variables["T2"]
+    time = fit.recording.time
     near = (time >= t0 - ASIDE) & (time <= end + ASIDE)
-    base = estimate.mean_rps + estimate.variables["v_t"]
-    ax.plot(time[near], estimate.recording.speed[near] - base, ".-", color=SIGNAL, markersize=2.5, linewidth=0.5)
+    base = fit.problem.mean_rps + fit.variables["v_t"]
+    ax.plot(time[near], fit.recording.speed[near] - base, ".-", color=SIGNAL, markersize=2.5, linewidth=0.5)
     fine = np.linspace(t0 - ASIDE, end + ASIDE, 1001)
     ax.plot(fine, oscillation(fine - t0, x), color=FIT, linewidth=1.0)
     ax.set(xlim=(fine[0], fine[-1]), xlabel="time in s", ylabel="disturbance in rps")

@@ -27,14 +27,15 @@ def _failure(outcome: Failed) -> JsonObject:
 
 
 def _content(outcome: Estimated, joint: JointHistory, at: float) -> JsonObject:
-    estimate = outcome.estimate
+    estimate, fit = outcome.estimate, outcome.estimate.fit
+    known = vars(estimate) | vars(fit) | {"mean_rps": fit.problem.mean_rps}
     return {
         "file": str(outcome.path),
         "joint": joint.series.name,
         "date": _date(joint, at),
-        **{name: getattr(estimate, name) for name in BEFORE},
-        **estimate.variables,
-        **{name: getattr(estimate, name) for name in AFTER},
+        **{name: known[name] for name in BEFORE},
+        **fit.variables,
+        **{name: known[name] for name in AFTER},
         "trend": _trend(joint),
         "limit": _limit(joint),
     }

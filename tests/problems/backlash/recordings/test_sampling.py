@@ -24,7 +24,7 @@ def test_the_estimate_at_10_khz_is_that_at_500_hz():
     settings = Settings(gear_ratio=40.0, resamples=0)
     fast = estimate(Recording(0.0, 1e-4, run.speed), settings)
     usual = estimate(Recording(0.0, 0.002, run.speed[::20]), settings)
-    assert len(fast.recording.speed) == len(usual.recording.speed)
+    assert len(fast.fit.recording.speed) == len(usual.fit.recording.speed)
     assert fast.backlash_rad == pytest.approx(usual.backlash_rad, rel=0.01)
     assert fast.notes[0] == "the recording was averaged down from 10000 to 500 Hz"
 

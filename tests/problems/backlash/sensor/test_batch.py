@@ -33,8 +33,8 @@ def paths(tmp_path):
 
 def content(outcome):
     """Return an outcome as text, its arrays as bytes; its problem follows from the recording."""
-    fields = vars(outcome.estimate) | vars(outcome.estimate.recording)
-    del fields["problem"]
+    fields = vars(outcome.estimate) | vars(outcome.estimate.fit) | vars(outcome.estimate.fit.recording)
+    del fields["problem"], fields["fit"]
     return {name: each.tobytes() if isinstance(each, np.ndarray) else repr(each) for name, each in fields.items()}
 
 

@@ -28,8 +28,8 @@ def test_levels_with_noise_are_measured(level, strength, verdict):
     assert found.amplitude_rps == pytest.approx(made.peak, rel=0.1)
     assert found.backlash_rad == pytest.approx(made.half_gap, abs=2e-4)
     assert found.verdict == verdict
-    assert found.period_s == pytest.approx(0.4, abs=1e-9)
-    assert found.period_source == "signal"
+    assert found.fit.period_s == pytest.approx(0.4, abs=1e-9)
+    assert found.fit.period_source == "signal"
     assert found.p_value < 1e-30
 
 
@@ -82,7 +82,7 @@ def test_intervals_hold_the_truth_and_grow_with_the_noise():
         assert found.interval_rad[0] < made.half_gap < found.interval_rad[1]
         fits = evidence.resampled(
             signature_problem(made, Settings(), 0.4),
-            np.array(list(found.variables.values())),
+            np.array(list(found.fit.variables.values())),
             40,
             np.random.default_rng(0),
         )

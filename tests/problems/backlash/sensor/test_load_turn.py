@@ -60,7 +60,7 @@ def test_a_joint_with_friction_is_undecided_by_a_calibration_without_and_is_neve
         assert found.verdict == "undecided"
         assert np.isnan(found.backlash_rad)
         assert "friction of" in found.notes[-1]
-        assert found.explained > 0.8
+        assert found.fit.explained > 0.8
     slight = estimate(recorded(worn(0.0015, 0.02)), RATIO)
     assert slight.verdict == "early"
     assert slight.backlash_rad == pytest.approx(0.0015, rel=0.05)

@@ -30,10 +30,10 @@ def lines(ax, label):
 
 
 def test_the_fit_its_half_turn_and_the_rest_are_drawn(make_estimate):
-    estimate = make_estimate()
-    above, middle, below = fit_figure(estimate, single=False).axes
-    np.testing.assert_array_equal(lines(above, "recording")[0].get_ydata(), estimate.recording.speed)
-    np.testing.assert_array_equal(lines(above, "fit")[0].get_ydata(), estimate.fitted)
+    fit = make_estimate().fit
+    above, middle, below = fit_figure(fit).axes
+    np.testing.assert_array_equal(lines(above, "recording")[0].get_ydata(), fit.recording.speed)
+    np.testing.assert_array_equal(lines(above, "fit")[0].get_ydata(), fit.fitted)
     assert np.abs(below.get_lines()[0].get_ydata()).max() == 0.0
     (mean,) = lines(middle, "their mean")
     fine = middle.get_lines()[-1]
