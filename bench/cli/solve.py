@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import sys
 from contextlib import nullcontext
+from dataclasses import asdict
 from typing import Annotated, Any
 
 import typer
@@ -13,6 +14,7 @@ from bench.cli.console import Parameters, Untrusted, table
 from bench.contract.typing import Floats, Options
 from bench.helpers.console import pairs, print_error
 from bench.helpers.errors import BenchError, ProblemError
+from bench.helpers.option_groups import OptionGroup, grouped, option
 from bench.helpers.text import said
 from bench.plugins import loading
 from bench.sandbox.messages import describe_error
@@ -23,6 +25,29 @@ from bench.trial.trial import as_row
 Named = tuple[str, Options]  # a plug-in's name and its options
 
 
+class Settings(OptionGroup):
+    """The settings of a run, by their names in ``bench.solve``."""
+
+    constraints: str | None = option(
+        help="What optimizers see of infeasible points: death, penalty, lexicographic or repair."
+    )
+    on_error: str = option(
+        "fail", metavar="fail|worst", help="With worst, a point whose evaluation fails is worth +inf."
+    )
+    evaluation_timeout: str | None = option(
+        metavar="DURATION", help="How long the evaluation of a point may take, such as '30 s'."
+    )
+    time: str | None = option(metavar="DURATION", help="End the run after it, before its budget, such as '10 min'.")
+    initial: str | None = option(metavar="FILE", help="A CSV file of points that are known, to begin with them.")
+    final_target: float | None = option(help="End the run at this difference to the known optimum, such as 1e-8.")
+    stop_at: float | None = option(help="End the run once a feasible point has this value, or a lower one.")
+    output: str | None = option(
+        None, "--output", "-o", help="Folder in which evaluations are noted, to go on after an interruption."
+    )
+    parallel: int | None = option(help="Points of a call of the objective that are evaluated at a time, by processes.")
+
+
+@grouped
 def command(
     problem: Annotated[
         str,
@@ -33,53 +58,21 @@ def command(
     seed: Annotated[
         int, typer.Option(help="Seed of the run; with the seed in a study's row it repeats that trial.")
     ] = 0,
-    option: Parameters = None,
+    parameters: Parameters = None,
     problem_option: Annotated[
         list[str] | None, typer.Option(help="An option of the problem, as in unit=rpm; repeatable.")
     ] = None,
-    constraints: Annotated[
-        str | None,
-        typer.Option(help="What optimizers see of infeasible points: death, penalty, lexicographic or repair."),
-    ] = None,
-    on_error: Annotated[
-        str, typer.Option(metavar="fail|worst", help="With worst, a point whose evaluation fails is worth +inf.")
-    ] = "fail",
-    evaluation_timeout: Annotated[
-        str | None,
-        typer.Option(metavar="DURATION", help="How long the evaluation of a point may take, such as '30 s'."),
-    ] = None,
-    time: Annotated[
-        str | None, typer.Option(metavar="DURATION", help="End the run after it, before its budget, such as '10 min'.")
-    ] = None,
-    initial: Annotated[
-        str | None, typer.Option(metavar="FILE", help="A CSV file of points that are known, to begin with them.")
-    ] = None,
-    final_target: Annotated[
-        float | None, typer.Option(help="End the run at this difference to the known optimum, such as 1e-8.")
-    ] = None,
-    stop_at: Annotated[
-        float | None, typer.Option(help="End the run once a feasible point has this value, or a lower one.")
-    ] = None,
-    output: Annotated[
-        str | None,
-        typer.Option("--output", "-o", help="Folder in which evaluations are noted, to go on after an interruption."),
-    ] = None,
-    parallel: Annotated[
-        int | None, typer.Option(help="Points of a call of the objective that are evaluated at a time, by processes.")
-    ] = None,
+    *,
+    settings: Settings,
     untrusted: Untrusted = False,
 ) -> None:
     """Run one optimizer once on one problem and print its best point."""
-    if untrusted and output:
+    if untrusted and settings.output:
         raise BenchError("with --untrusted no --output is written: evaluations are noted by the code that is run")
-    given = {
-        "evaluation_timeout": evaluation_timeout, "time": time, "initial": initial, "output": output,
-        "final_target": final_target, "stop_at": stop_at, "parallel": parallel, "constraints": constraints,
-    }  # fmt: skip
     make = _row_apart if untrusted else _row
     row = make(
-        (problem, pairs(problem_option)), (optimizer, pairs(option)), Budget.read(budget, "--budget"), seed=seed,
-        on_error=on_error, **{key: value for key, value in given.items() if value is not None},
+        (problem, pairs(problem_option)), (optimizer, pairs(parameters)), Budget.read(budget, "--budget"), seed=seed,
+        **{name: value for name, value in asdict(settings).items() if value is not None},
     )  # fmt: skip
     if row["status"] != "ok":
         print_error(row["error"] if row.get("problem") else f"{optimizer} failed on {problem}: {row['error']}")
@@ -94,7 +87,7 @@ def command(
     ]
     Console().print(table(("", ""), rows))
     if row["stop"] == "interrupted":
-        print_error("interrupted" + "; the same command goes on from here" * (output is not None))
+        print_error("interrupted" + "; the same command goes on from here" * (settings.output is not None))
         sys.exit(130)
     if row["stop"] == "undeclared":
         print_error(
