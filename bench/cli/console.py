@@ -22,7 +22,7 @@ from bench.study import Study
 if TYPE_CHECKING:
     from bench.execution.runner import Outcome
 
-STUDY, MACHINES, PROTECTION, REPORT = "The study", "Machines", "Protection", "Afterwards"
+STUDY, PROTECTION = "The study", "Protection"
 """The headings under which the help of a command with many options has them."""
 
 StudyFolder = Annotated[Path, typer.Argument(metavar="FOLDER", help="The folder that 'bench run' wrote.")]

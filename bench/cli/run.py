@@ -7,7 +7,6 @@ import sys
 import tempfile
 from collections.abc import Iterator
 from contextlib import contextmanager
-from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
 
@@ -15,22 +14,13 @@ import typer
 from rich.console import Console
 
 from bench.cli.check import check_folder
-from bench.cli.console import (
-    MACHINES,
-    PROTECTION,
-    REPORT,
-    STUDY,
-    Jobs,
-    Subject,
-    Untrusted,
-    run_shown,
-    too_early,
-)  # fmt: skip
+from bench.cli.console import PROTECTION, STUDY, Jobs, Subject, Untrusted, run_shown, too_early
 from bench.cli.report import report_on
 from bench.cli.verify import verify_folder
 from bench.execution.journal import DROPPED
 from bench.helpers.console import duration, print_error, print_line
 from bench.helpers.errors import BenchError
+from bench.helpers.option_groups import OptionGroup, grouped, option
 from bench.helpers.text import count, listed
 from bench.study import Study
 from bench.trial.trial import UNASKED
@@ -38,11 +28,60 @@ from bench.trial.trial import UNASKED
 if TYPE_CHECKING:
     from bench.execution.plan import Plan
 
-_study, _machines, _protection, _afterwards = (
-    partial(typer.Option, rich_help_panel=panel) for panel in (STUDY, MACHINES, PROTECTION, REPORT)
-)
+
+class Changes(OptionGroup, panel=STUDY):
+    """What this run changes of the study."""
+
+    trials: int | None = option(help="Trials of each optimizer on each problem, instead of the study's number.")
+    budget: str | None = option(
+        help="Evaluations per trial, instead of the study's budget: a number, or such as '1e4 * d'."
+    )
+    seed: int | None = option(help="Seed that all trials' seeds derive from, instead of the study's.")
+    optimizer: list[str] | None = option(
+        help="Add an optimizer to the study's: a name, or path/to/file.py:ClassName; repeatable."
+    )
+    problem: list[str] | None = option(
+        help="Add a problem to the study's: a name, or a pattern such as 'bbob-f08-d*'; repeatable."
+    )
+    subject: Subject = None
 
 
+class Machines(OptionGroup, panel="Machines"):
+    """Where the trials are made."""
+
+    backend: str | None = option(
+        help="Where trials are made: local (this machine) or dask, the default with --scheduler."
+    )
+    scheduler: str | None = option(metavar="ADDRESS", help="Address of dask's scheduler, as in tcp://10.0.0.1:8786.")
+    shard: str | None = option(metavar="K/N", help="Run only part K of N, one per machine; see 'bench merge'.")
+
+
+class Protection(OptionGroup, panel=PROTECTION):
+    """What limits a trial."""
+
+    timeout: float | None = option(
+        metavar="SECONDS", help="Wall-clock limit of a trial; a trial that exceeds it is stopped."
+    )
+    memory: float | None = option(
+        metavar="GB", help="Memory that a trial may use; default: an equal share of the machine's."
+    )
+    untrusted: Untrusted = False
+
+
+class Afterwards(OptionGroup, panel="Afterwards"):
+    """What follows the trials."""
+
+    check: bool = option(False, "--check", help="Also check the optimizers (see 'bench check') before the report.")
+    verify: int | None = option(
+        metavar="N",
+        min=0,
+        help="Make N trials of each cell again (see 'bench verify') before it, 0 for none; default: one trial of "
+        "each optimizer, at the end of the run.",
+    )
+    no_report: bool = option(False, "--no-report", help="Write no report when the run ends.")
+
+
+@grouped
 def command(
     study: Annotated[
         str | None,
@@ -54,44 +93,10 @@ def command(
         Path | None, typer.Option("--output", "-o", help="Folder to write; default: results/runs/STUDY.")
     ] = None,
     jobs: Jobs = -1,
-    trials: Annotated[
-        int | None, _study(help="Trials of each optimizer on each problem, instead of the study's number.")
-    ] = None,
-    budget: Annotated[
-        str | None, _study(help="Evaluations per trial, instead of the study's budget: a number, or such as '1e4 * d'.")
-    ] = None,
-    seed: Annotated[int | None, _study(help="Seed that all trials' seeds derive from, instead of the study's.")] = None,
-    optimizer: Annotated[
-        list[str] | None,
-        _study(
-            help="Add an optimizer to the study's: a name, or path/to/file.py:ClassName; repeatable.",
-        ),
-    ] = None,
-    problem: Annotated[
-        list[str] | None,
-        _study(
-            help="Add a problem to the study's: a name, or a pattern such as 'bbob-f08-d*'; repeatable.",
-        ),
-    ] = None,
-    subject: Subject = None,
-    backend: Annotated[
-        str | None, _machines(help="Where trials are made: local (this machine) or dask, the default with --scheduler.")
-    ] = None,
-    scheduler: Annotated[
-        str | None, _machines(metavar="ADDRESS", help="Address of dask's scheduler, as in tcp://10.0.0.1:8786.")
-    ] = None,
-    shard: Annotated[
-        str | None, _machines(metavar="K/N", help="Run only part K of N, one per machine; see 'bench merge'.")
-    ] = None,
-    timeout: Annotated[
-        float | None,
-        _protection(metavar="SECONDS", help="Wall-clock limit of a trial; a trial that exceeds it is stopped."),
-    ] = None,
-    memory: Annotated[
-        float | None,
-        _protection(metavar="GB", help="Memory that a trial may use; default: an equal share of the machine's."),
-    ] = None,
-    untrusted: Untrusted = False,
+    *,
+    changes: Changes,
+    machines: Machines,
+    protection: Protection,
     reuse: Annotated[
         list[Path] | None,
         typer.Option(
@@ -100,19 +105,7 @@ def command(
         ),
     ] = None,
     dry_run: Annotated[bool, typer.Option("--dry-run", help="Print the plan and its estimated duration only.")] = False,
-    check: Annotated[
-        bool, _afterwards("--check", help="Also check the optimizers (see 'bench check') before the report.")
-    ] = False,
-    verify: Annotated[
-        int | None,
-        _afterwards(
-            metavar="N",
-            min=0,
-            help="Make N trials of each cell again (see 'bench verify') before it, 0 for none; default: one trial of "
-            "each optimizer, at the end of the run.",
-        ),
-    ] = None,
-    no_report: Annotated[bool, _afterwards("--no-report", help="Write no report when the run ends.")] = False,
+    afterwards: Afterwards,
 ) -> None:
     """Run a study, continue one that was interrupted, or extend one; then write its report.
 
@@ -128,31 +121,33 @@ def command(
         )
     signal.signal(signal.SIGTERM, signal.default_int_handler)  # SIGTERM ends a run like Ctrl-C, and stops the workers
     console = Console()
-    chosen = Study.load(study).override(trials=trials, budget=budget, seed=seed, subject=subject)
-    chosen = chosen.beside(optimizer or [], problem or [])
+    shard, untrusted, verify = machines.shard, protection.untrusted, afterwards.verify
+    chosen = Study.load(study).override(
+        trials=changes.trials, budget=changes.budget, seed=changes.seed, subject=changes.subject
+    )
+    chosen = chosen.beside(changes.optimizer or [], changes.problem or [])
     if chosen.targets and chosen.targets.by_best:
         from bench.formats.coco.best2009 import best2009  # which imports pandas and scipy.stats
 
         best2009(entry.name for entry in chosen.problems)  # before the run, which may take long
-    if dry_run:
-        with _folders(reuse or []) as others:
-            planned = plan(chosen, output, shard=shard, untrusted=untrusted, verify=verify is None, reuse=others)
-        _show_estimate(planned, jobs, console)
-        return
     with _folders(reuse or []) as others:
+        if dry_run:
+            planned = plan(chosen, output, shard=shard, untrusted=untrusted, verify=verify is None, reuse=others)
+            _show_estimate(planned, jobs, console)
+            return
         outcome = run_shown(
-            chosen, output, console, n_jobs=jobs, backend=backend or ("dask" if scheduler else "local"),
-            scheduler=scheduler, timeout=timeout, memory=memory, shard=shard, untrusted=untrusted,
-            verify=verify is None, reuse=others,
+            chosen, output, console, n_jobs=jobs, scheduler=machines.scheduler, shard=shard,
+            backend=machines.backend or ("dask" if machines.scheduler else "local"), timeout=protection.timeout,
+            memory=protection.memory, untrusted=untrusted, verify=verify is None, reuse=others,
         )  # fmt: skip
-    unsound = check and not check_folder(outcome.folder, console, jobs, untrusted=untrusted)
+    unsound = afterwards.check and not check_folder(outcome.folder, console, jobs, untrusted=untrusted)
     if verify:
         try:
             unsound |= not verify_folder(outcome.folder, console, trials=verify, untrusted=untrusted)
         except BenchError as error:  # as where every trial failed; the report says more
             print_error(f"no trial could be made again: {error}")
             unsound = True
-    if no_report or shard is not None:
+    if afterwards.no_report or shard is not None:
         from bench.cli.answer import read, show, warn_if_old
 
         if shard is None:
@@ -162,9 +157,7 @@ def command(
         print_line(f"results in {outcome.folder}", console=console)
     else:
         report_on([outcome.folder], console, n_jobs=jobs)
-    for line in outcome.different:
-        print_line(line, "red", console)
-    for line in outcome.doubtful:
+    for line in (*outcome.different, *outcome.doubtful):
         print_line(line, "red", console)
     if replayed := outcome.journal["replayed"]:
         print_line(f"{count(replayed, 'evaluation')} of interrupted trials came from the journal")
