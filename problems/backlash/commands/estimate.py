@@ -10,6 +10,7 @@ import typer
 
 from bench.helpers import print_error, print_line, replacing
 from bench.helpers.errors import BenchError
+from bench.helpers.option_groups import OptionGroup, grouped, option
 from problems.backlash import EARLY_RAD
 from problems.backlash.commands import about_backlash
 
@@ -17,10 +18,58 @@ ALARM = 3  # the exit code for a verdict that --fail-on names; 1 is for recordin
 
 # The heavy imports wait until they are needed: no other command should wait for numba.
 
-_recording, _fit, _verdict = (partial(typer.Option, rich_help_panel=panel) for panel in ("Recording", "Fit", "Verdict"))
+
+class Reading(OptionGroup, panel="Recording"):
+    """How recordings are read."""
+
+    speed: str | None = option(metavar="COLUMN", help="The column of motor speed, or of its position in a unit of one.")
+    unit: str | None = option(help="rps, rpm, rad/s or deg/s; of a position rev, rad or deg.")
+    joint_column: str | None = option(
+        metavar="COLUMN",
+        help="Of files with several joints: the column that names the joint of each line, or the pattern of a "
+        "column for each joint, as 'speed_*', whose asterisk stands for the joint's name.",
+    )
+    window: str | None = option(metavar="BEGIN:END", help="The part to use in s, as 18.99:20.11, 2: or :10.")
+
+
+class Fit(OptionGroup, panel="Fit"):
+    """How the signature is fitted."""
+
+    gear_ratio: float | None = option(
+        help="Motor turns for each load turn, which with the mean speed give its time.",
+        show_default="the time found in the signal",
+    )
+    single: bool = option(False, "--single", help="Fit one oscillation: less than a load turn, as of a robot's wrist.")
+
+
+class Verdict(OptionGroup, panel="Verdict"):
+    """How an amplitude is judged."""
+
+    calibration: str | None = option(
+        metavar="FILE|none",
+        help="The joint's calibration, made by 'bench calibrate'; none estimates amplitudes alone.",
+        show_default="the thesis's joint",
+    )
+    limit: float = option(EARLY_RAD, metavar="RAD", help="The half-gap above which backlash has progressed.")
+    fail_on: Literal["early", "progressed"] | None = option(
+        help="Exit with 3 where a joint's latest verdict is that bad; early includes the undecided."
+    )
+    resamples: int = option(200, min=0, help="Bootstrap resamples; 0 for no interval.")
+
+
+class Output(OptionGroup):
+    """What is drawn, written and printed."""
+
+    plot: Path | None = option(
+        metavar="FILE|FOLDER", help="Draw the fit, and the trend of many recordings: svg, png or pdf, or a folder."
+    )
+    page: Path | None = option(metavar="FILE.html", help="Write a page with verdicts, trends and the fits.")
+    csv: Path | None = option(metavar="FILE", help="Write a row for each recording, with all digits.")
+    as_json: bool = option(False, "--json", help="Print a JSON list with an object for each file instead.")
 
 
 @about_backlash
+@grouped
 def estimate(
     recordings: Annotated[
         list[str],
@@ -29,63 +78,11 @@ def estimate(
             help="Recordings of motor speed at constant reference speed (csv, txt, xlsx, parquet), or folders of them.",
         ),
     ],
-    speed: Annotated[
-        str | None, _recording(metavar="COLUMN", help="The column of motor speed, or of its position in a unit of one.")
-    ] = None,
-    unit: Annotated[str | None, _recording(help="rps, rpm, rad/s or deg/s; of a position rev, rad or deg.")] = None,
-    joint_column: Annotated[
-        str | None,
-        _recording(
-            metavar="COLUMN",
-            help="Of files with several joints: the column that names the joint of each line, or the pattern of a "
-            "column for each joint, as 'speed_*', whose asterisk stands for the joint's name.",
-        ),
-    ] = None,
-    window: Annotated[
-        str | None, _recording(metavar="BEGIN:END", help="The part to use in s, as 18.99:20.11, 2: or :10.")
-    ] = None,
-    gear_ratio: Annotated[
-        float | None,
-        _fit(
-            help="Motor turns for each load turn, which with the mean speed give its time.",
-            show_default="the time found in the signal",
-        ),
-    ] = None,
-    single: Annotated[
-        bool, _fit("--single", help="Fit one oscillation: less than a load turn, as of a robot's wrist.")
-    ] = False,
-    calibration: Annotated[
-        str | None,
-        _verdict(
-            metavar="FILE|none",
-            help="The joint's calibration, made by 'bench calibrate'; none estimates amplitudes alone.",
-            show_default="the thesis's joint",
-        ),
-    ] = None,
-    limit: Annotated[
-        float,
-        _verdict(metavar="RAD", help="The half-gap above which backlash has progressed."),
-    ] = EARLY_RAD,
-    fail_on: Annotated[
-        Literal["early", "progressed"] | None,
-        _verdict(help="Exit with 3 where a joint's latest verdict is that bad; early includes the undecided."),
-    ] = None,
-    resamples: Annotated[int, _verdict(min=0, help="Bootstrap resamples; 0 for no interval.")] = 200,
-    plot: Annotated[
-        Path | None,
-        typer.Option(
-            metavar="FILE|FOLDER", help="Draw the fit, and the trend of many recordings: svg, png or pdf, or a folder."
-        ),
-    ] = None,
-    page: Annotated[
-        Path | None, typer.Option(metavar="FILE.html", help="Write a page with verdicts, trends and the fits.")
-    ] = None,
-    csv: Annotated[
-        Path | None, typer.Option(metavar="FILE", help="Write a row for each recording, with all digits.")
-    ] = None,
-    as_json: Annotated[
-        bool, typer.Option("--json", help="Print a JSON list with an object for each file instead.")
-    ] = False,
+    *,
+    reading: Reading,
+    fit: Fit,
+    verdict: Verdict,
+    output: Output,
 ) -> None:
     """Estimate the backlash of a joint from a recording of its motor's speed, with a confidence interval.
 
@@ -107,18 +104,18 @@ def estimate(
 
     stderr = Console(stderr=True)
     paths = recording_files.find(recordings)
-    settings = Settings(gear_ratio, single, limit_rad=limit, resamples=resamples)
-    if calibration is not None:
-        settings = replace(settings, calibration=None if calibration == "none" else load_calibration(calibration))
-    part = parse_window(window) if window is not None else (None, None)
-    if plot is not None:
+    settings = Settings(fit.gear_ratio, fit.single, limit_rad=verdict.limit, resamples=verdict.resamples)
+    if (name := verdict.calibration) is not None:
+        settings = replace(settings, calibration=None if name == "none" else load_calibration(name))
+    part = parse_window(reading.window) if reading.window is not None else (None, None)
+    if output.plot is not None:
         from problems.backlash.sensor import plots
 
-        plots.check_output(plot)
-    for output in filter(None, (csv, page)):
-        check_folder(output)
+        plots.check_output(output.plot)
+    for path in filter(None, (output.csv, output.page)):
+        check_folder(path)
 
-    read = partial(read_joints, speed=speed, unit=unit, window=part, joint_column=joint_column)
+    read = partial(read_joints, speed=reading.speed, unit=reading.unit, window=part, joint_column=reading.joint_column)
     made = estimate_files(paths, read, settings, n_jobs=-1)
     bar = track(made, "estimating", len(paths), console=stderr, transient=True, disable=not stderr.is_terminal)
     outcomes = [outcome for outcomes in bar for outcome in outcomes]
@@ -135,34 +132,34 @@ def estimate(
             print_error(outcome.error)
     joints = joints_of(good, settings)
     trends = [joint.trend for joint in joints if joint.trend]
-    if as_json:
+    if output.as_json:
         print(json.dumps(records.json_objects(outcomes, joints), indent=1, ensure_ascii=False))
     elif several:
         formatting.print_table(outcomes, names, trends, settings)
     elif good:
         width = stdout.width if (stdout := Console()).is_terminal else None
         print_line("\n".join(formatting.estimate_lines(good[0], settings, width)))
-    if csv is not None:
+    if output.csv is not None:
         import pandas as pd
 
-        with replacing(csv) as temporary:
+        with replacing(output.csv) as temporary:
             pd.DataFrame(records.csv_rows(outcomes, joints)).to_csv(temporary, index=False)
-    if page is not None:
+    if output.page is not None:
         from problems.backlash.sensor import page as pages
 
-        pages.write(page, outcomes, names, joints, settings)
-        print_line(f"page: {page}", console=stderr)
-    if plot is not None and good:
-        pictures = plots.save_figures(plot, good, trends, settings, alone=not several)
-        line = str(pictures[0]) if len(pictures) == 1 else f"{len(pictures)} pictures in {plot}"
+        pages.write(output.page, outcomes, names, joints, settings)
+        print_line(f"page: {output.page}", console=stderr)
+    if output.plot is not None and good:
+        pictures = plots.save_figures(output.plot, good, trends, settings, alone=not several)
+        line = str(pictures[0]) if len(pictures) == 1 else f"{len(pictures)} pictures in {output.plot}"
         nothing = "no joint has two recordings, so there is no trend to draw; give --plot a folder for each one's fit"
-        print_line(line if pictures else nothing, console=Console(stderr=as_json))
+        print_line(line if pictures else nothing, console=Console(stderr=output.as_json))
     if not good:
         alone = failed[0].error if failed else "there is no recording in the folder"
         raise BenchError(f"none of the {len(outcomes)} recordings could be estimated" if len(failed) > 1 else alone)
     if failed:
         print_error(f"{len(failed)} of the {len(outcomes)} recordings could not be estimated")
-    alarms = [joint for joint in joints if fail_on and formatting.is_alarm(joint.latest, fail_on)]
+    alarms = [joint for joint in joints if verdict.fail_on and formatting.is_alarm(joint.latest, verdict.fail_on)]
     for joint in alarms:
         print_error(f"{joint.series.name or joint.outcomes[-1].path}: the latest verdict is {joint.latest.verdict}")
     if alarms or failed:
