@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import re
-from functools import partial
+from dataclasses import asdict
 from math import inf
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
@@ -12,6 +12,7 @@ import typer
 
 from bench.helpers import print_line, replacing
 from bench.helpers.errors import BenchError
+from bench.helpers.option_groups import OptionGroup, grouped, option
 from problems.backlash import TRUTH
 from problems.backlash.commands import Force, about_backlash
 
@@ -24,10 +25,40 @@ if TYPE_CHECKING:
 SAMPLE = 0.002  # s, the sampling period of a simulated recording
 NEW_GAP, WORN_GAP, MONTHLY_NOISE = 0.0003, 0.0039, 0.2  # rad, rad, rps: the defaults of a wear curve
 
-_recording, _wear = (partial(typer.Option, rich_help_panel=panel) for panel in ("Recording", "Wear"))
+
+class Recording(OptionGroup, panel="Recording"):
+    """What is recorded."""
+
+    duration: float | None = option(help="Seconds to record.", show_default="12 load turns")
+    sweep: float | None = option(
+        help="The angle in rad by which the load turns forth and back, from rest, as a robot's wrist does.",
+        show_default="it turns on in one direction",
+    )
+    start_angle: float | None = option(
+        help="The load's angle in rad when the recording starts.", show_default="0.141; random with --wear"
+    )
+    encoder_bits: int | None = option(min=8, max=32, help="Read the speed through an encoder.")
+    noise: float | None = option(
+        help="Peak-to-peak value in rps of uniform white noise (eqs. 7.1, 7.2).", show_default="0; 0.2 with --wear"
+    )
+    seed: int = option(0, min=0, help="The seed of the noise.")
+
+
+class Wear(OptionGroup, panel="Wear"):
+    """The months of a joint that wears."""
+
+    months: int | None = option(
+        None,
+        "--wear",
+        metavar="MONTHS",
+        help="Write a recording for each month, with a growing gap, and truth.csv into a folder. The gap given is "
+        "that of the first month (0.0003 rad without one).",
+    )
+    worn: float | None = option(help="With --wear: the half-gap in rad of the last month; 0.0039 by default.")
 
 
 @about_backlash
+@grouped
 def simulate(
     output: Annotated[
         Path,
@@ -44,38 +75,9 @@ def simulate(
         Path | None,
         typer.Option(help="A TOML file with parameters of the joint; 'bench simulate joint.toml' writes one."),
     ] = None,
-    duration: Annotated[float | None, _recording(help="Seconds to record.", show_default="12 load turns")] = None,
-    sweep: Annotated[
-        float | None,
-        _recording(
-            help="The angle in rad by which the load turns forth and back, from rest, as a robot's wrist does.",
-            show_default="it turns on in one direction",
-        ),
-    ] = None,
-    start_angle: Annotated[
-        float | None,
-        _recording(help="The load's angle in rad when the recording starts.", show_default="0.141; random with --wear"),
-    ] = None,
-    encoder_bits: Annotated[int | None, _recording(min=8, max=32, help="Read the speed through an encoder.")] = None,
-    noise: Annotated[
-        float | None,
-        _recording(
-            help="Peak-to-peak value in rps of uniform white noise (eqs. 7.1, 7.2).",
-            show_default="0; 0.2 with --wear",
-        ),
-    ] = None,
-    seed: Annotated[int, _recording(min=0, help="The seed of the noise.")] = 0,
-    wear: Annotated[
-        int | None,
-        _wear(
-            metavar="MONTHS",
-            help="Write a recording for each month, with a growing gap, and truth.csv into a folder. The gap given is "
-            "that of the first month (0.0003 rad without one).",
-        ),
-    ] = None,
-    worn: Annotated[
-        float | None, _wear(help="With --wear: the half-gap in rad of the last month; 0.0039 by default.")
-    ] = None,
+    *,
+    recording: Recording,
+    wear: Wear,
     force: Force = False,
 ) -> None:
     """Simulate a joint with backlash at constant speed, or turning back and forth, and write its recording.
@@ -91,20 +93,16 @@ def simulate(
     if level is not None and half_gap is not None:
         raise BenchError("give either --level 1 … 20 or --half-gap in rad, not both")
     gap = joints.half_gap(level) if level is not None else half_gap
-    if worn is not None and wear is None:
+    if wear.worn is not None and wear.months is None:
         raise BenchError("--worn is the gap of the last month of --wear MONTHS; give that too")
     made = joints.load_joint(joint)
-    at_rest = 0.0 if encoder_bits is None else SAMPLE  # an encoder's first speed needs the sample before
-    options: Options = {
-        "duration": duration if duration is not None else 12 * made.turn,
-        "settle": 1.2 if sweep is None else at_rest, "encoder_bits": encoder_bits, "sweep": sweep,
-    }  # fmt: skip
-    if start_angle is not None:
-        options["start_angle"] = start_angle
-    if wear is not None:
-        options |= {"new": NEW_GAP if gap is None else gap, "worn": WORN_GAP if worn is None else worn}
-        options |= {"months": wear, "noise": MONTHLY_NOISE if noise is None else noise, "seed": seed}
-        _write_months(output, force, made, options)
+    sweep = recording.sweep
+    at_rest = 0.0 if recording.encoder_bits is None else SAMPLE  # an encoder's first speed needs the sample before
+    options: Options = {"duration": 12 * made.turn, "settle": 1.2 if sweep is None else at_rest}
+    options |= {name: value for name, value in asdict(recording).items() if value is not None}
+    if wear.months is not None:
+        options |= {"new": NEW_GAP if gap is None else gap, "worn": WORN_GAP if wear.worn is None else wear.worn}
+        _write_months(output, force, made, {"months": wear.months, "noise": MONTHLY_NOISE} | options)
     elif output.suffix.lower() == ".toml":
         if gap is not None:
             raise BenchError(
@@ -118,7 +116,8 @@ def simulate(
         check_output(output, ".csv", force=force)
         if gap is None:
             raise BenchError("give either --level 1 … 20 or --half-gap in rad")
-        run, noise = joints.simulate(made, half_gap=gap, **options), noise or 0.0
+        noise, seed = options.pop("noise", 0.0), options.pop("seed")
+        run = joints.simulate(made, half_gap=gap, **options)
         measured = joints.with_noise(run.speed, noise, np.random.default_rng(seed))
         write_recording(output, run.time, measured, position_rad=run.position, current_a=run.current)
         print_line(
