@@ -32,7 +32,7 @@ def parameters(function):
 def is_bag(definition):
     """Return whether a class holds values by name, and is no contract such as that of problems."""
     signs = map(ast.unparse, (*definition.decorator_list, *definition.bases))
-    return any(re.match("(dataclass|NamedTuple|TypedDict)", sign) for sign in signs)
+    return any(re.match("(dataclass|NamedTuple|TypedDict|OptionGroup)", sign) for sign in signs)
 
 
 def fields(definition, others):

@@ -165,7 +165,7 @@ def run(name: str, options: Mapping[str, Any], task: Sequence[Any]) -> dict[str,
         "clamped": float(on_bound(problem.share(result.x)).mean()),
         "evaluations": len(points),
         "points": hashlib.sha256(points.tobytes()).hexdigest(),
-        "cpu_s": result.cpu_s,
+        "cpu_s": result.cost.cpu_s,
     }
 
 

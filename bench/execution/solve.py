@@ -124,7 +124,7 @@ def solve(
             metrics = {}
     if journal and journal.dropped:
         warnings.warn(DROPPED.format(count(journal.dropped, "evaluation")), stacklevel=2)
-    if found.unasked:
+    if found.usage.unasked:
         warnings.warn(UNASKED.format(title(optimizer)), stacklevel=2)
     return replace(found, metrics=metrics)
 

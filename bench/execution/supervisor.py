@@ -221,7 +221,7 @@ class Supervisor:
 
         The row's ``beside`` is what no column holds: ``after`` is that of
         :meth:`bench.execution.again.Repetition.consider`, ``inputs`` are what it was made from, as JSON, ``unasked`` is
-        that of :class:`bench.trial.trial.Result`, and ``journal`` counts what became of the evaluations in its journal.
+        that of :class:`bench.trial.trial.Usage`, and ``journal`` counts what became of the evaluations in its journal.
         """
         job.doing = "while its plug-ins were loaded"
         box = job.box(trial.problem)

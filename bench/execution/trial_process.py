@@ -36,7 +36,7 @@ from bench.sandbox.side_effects import SideEffects, reset_random
 from bench.storage import provenance
 from bench.study import Study
 from bench.trial import scoring
-from bench.trial.trial import Result, Trial, doubt, measured, numbers, result, search
+from bench.trial.trial import Cost, Result, Trial, doubt, measured, numbers, result, search
 
 
 def begin(study: Study, held: Objects, output: str, known: dict[str, tuple[str, Signature]]) -> None:
@@ -223,7 +223,7 @@ def serve(trial: Trial, end: int) -> JsonObject:
         objective = scoring.objective(minimized, budget, stream, seconds=_study.rules.time, goal=goal)
         seconds = apart.serve(objective, end)
     try:
-        kept = result(objective, trial.seed, seconds, 0.0, 0.0)
+        kept = result(objective, trial.seed, Cost(seconds, 0.0, objective.objective_s, 0.0))
     except ProblemError as error:
         return {"error": _failure(error)}
     return as_answer(kept) | _confirmed(kept, problem) | _inputs()
@@ -253,7 +253,7 @@ def as_answer(result: Result) -> JsonObject:
     """Return a result as JSON values, without its metrics: the columns of its row, bytes in base 64."""
     packed = {"x": result.x.astype("<f8").tobytes(), "trace": result.trace.packed()}
     texts = {name: base64.b64encode(content).decode() for name, content in packed.items()}
-    return measured(result) | texts | {"log": result.log, "unasked": result.unasked}
+    return measured(result) | texts | {"log": result.log, "unasked": result.usage.unasked}
 
 
 def _failure(error: BaseException) -> str:

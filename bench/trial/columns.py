@@ -1,7 +1,7 @@
 """The columns of a trial: their names, types, units, bounds and meanings, in one table.
 
-From :data:`COLUMNS` follow the fields of a :class:`bench.trial.trial.Result`, what is checked of an answer, the
-tables of a store, the tidy frame, imports, exports and the reference page. A further column is a line here.
+From :data:`COLUMNS` follow what is checked of an answer, the tables of a store, the tidy frame, imports, exports and
+the reference page. A further column is a line here; one that a search fills in is a field of its result, too.
 
 A trial takes five forms: the result in its process, the answer (JSON) that crosses to the parent, the row that the
 parent makes of it once it is checked, the row of the store, and that of the frame.
@@ -9,7 +9,7 @@ parent makes of it once it is checked, the row of the store, and that of the fra
 
 import json
 import struct
-from dataclasses import dataclass, field, fields
+from dataclasses import dataclass
 from math import inf
 from typing import Any, NamedTuple
 
@@ -28,6 +28,7 @@ class Limits(NamedTuple):
 
 
 UNLIMITED = Limits()
+_UP_TO_NFEV = Limits(0, within="nfev")
 
 
 @dataclass(frozen=True)
@@ -59,37 +60,26 @@ class Column:
     repeats: bool = True
 
 
-def _column(meaning: str, **about: object) -> Any:
-    return field(metadata={"meaning": meaning} | about)
-
-
-@dataclass(frozen=True, kw_only=True)
-class Measured:
-    """The columns that a search fills in, each a single value."""
-
-    fun: float = _column("lowest objective value found, +inf where no point counts")
-    nfev: int = _column("evaluations made", limits=Limits(1, LARGEST_BUDGET, "budget"))
-    calls: int = _column("calls of the objective, each with a batch of points", limits=Limits(1, within="nfev"))
-    largest_call: int = _column("most points in a call of the objective", limits=Limits(1, within="nfev"))
-    wall_s: float = _column("wall time of the whole search", unit="s", limits=Limits(0), repeats=False)
-    cpu_s: float = _column("processor time of the whole search", unit="s", limits=Limits(0), repeats=False)
-    objective_s: float = _column("wall time inside the problem's `evaluate`", unit="s", limits=Limits(0), repeats=False)
-    memory_mb: float = _column(
-        "growth of the process's peak memory in the search; less where the process has made a run of the optimizer "
-        "before, so that the most of several runs counts",
-        unit="MB", limits=Limits(0), repeats=False,
-    )  # fmt: skip
-    stop: str = _column(
-        "`budget`; `time` or `target`, where the study's `time` or value ended it before; or the reason that the "
-        "optimizer declared, or `undeclared` without one"
-    )
-    outside_box: int = _column("evaluations outside the box", limits=Limits(0, within="nfev"))
-    failures: int = _column(
-        "evaluations that failed and count with the value +inf (`on_error`)", limits=Limits(0, within="nfev")
-    )
-
-
-MEASURED = tuple(Column(each.name, each.type, **each.metadata) for each in fields(Measured))  # type: ignore[arg-type]
+MEASURED = (
+    Column("fun", float, "lowest objective value found, +inf where no point counts"),
+    Column("nfev", int, "evaluations made", limits=Limits(1, LARGEST_BUDGET, "budget")),
+    Column("calls", int, "calls of the objective, each with a batch of points", limits=Limits(1, within="nfev")),
+    Column("largest_call", int, "most points in a call of the objective", limits=Limits(1, within="nfev")),
+    Column("wall_s", float, "wall time of the whole search", "s", Limits(0), repeats=False),
+    Column("cpu_s", float, "processor time of the whole search", "s", Limits(0), repeats=False),
+    Column("objective_s", float, "wall time inside the problem's `evaluate`", "s", Limits(0), repeats=False),
+    Column(
+        "memory_mb", float, "growth of the process's peak memory in the search; less where the process has made a run "
+        "of the optimizer before, so that the most of several runs counts", "MB", Limits(0), repeats=False,
+    ),
+    Column(
+        "stop", str, "`budget`; `time` or `target`, where the study's `time` or value ended it before; or the reason "
+        "that the optimizer declared, or `undeclared` without one",
+    ),
+    Column("outside_box", int, "evaluations outside the box", limits=_UP_TO_NFEV),
+    Column("failures", int, "evaluations that failed and count with the value +inf (`on_error`)", limits=_UP_TO_NFEV),
+)  # fmt: skip
+"""The columns that a search fills in, each a single value."""
 
 COLUMNS = (
     Column("study", str, "name of the study", stored=False),

@@ -7,6 +7,7 @@ from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field
 from math import inf, isfinite, isnan
 from time import perf_counter, process_time
+from typing import NamedTuple
 
 if sys.platform == "win32":
     import psutil
@@ -23,7 +24,7 @@ from bench.contract.typing import Floats
 from bench.helpers.errors import BudgetExhausted, ProblemError
 from bench.helpers.text import html_table, listed
 from bench.trial import scoring
-from bench.trial.columns import MEASURED, RESERVED, Measured, Row, packed
+from bench.trial.columns import MEASURED, RESERVED, Row, packed
 
 ROUNDING = 1e-9
 """By how much a value may differ, relative to itself, when its point is evaluated again."""
@@ -31,7 +32,6 @@ ROUNDING = 1e-9
 _SPREADS = 100.0  # times the differences seen among batches: a value near 0 is a difference of larger terms
 _LONG = 1.0  # seconds of an evaluation, after which few others are made
 _BATCHES = 2, 7, 32  # points; libraries of linear algebra treat small numbers of rows in different ways
-
 
 UNASKED = "{} asks for no initial points, so it did not begin with those that are known ('initial')"
 """What is said of an optimizer that took none of the known points."""
@@ -61,38 +61,62 @@ class Trial:
         return {"problem": self.problem, "optimizer": self.optimizer, "trial": self.number, "seed": self.seed}
 
 
-@dataclass(frozen=True, kw_only=True)
-class Result(Measured):
-    """The result of a trial: the best point, its value and the resources used.
+class Usage(NamedTuple):
+    """How the optimizer used the objective, as in columns of a trial; ``unasked``: it took none of the known points."""
 
-    Beside these attributes it has ``fun``, ``nfev``, ``wall_s`` and all others that the tidy frame has of the search
-    (:class:`bench.trial.columns.Measured`).
+    calls: int
+    largest_call: int
+    outside_box: int
+    failures: int
+    unasked: bool
 
-    Attributes:
-        x: (d,) the best point.
-        trace: the best-so-far value over evaluations.
-        metrics: the problem's domain metrics of ``x``.
-        log: what the optimizer logged, by name (:meth:`bench.contract.objective.Objective.log`).
-        seed: the seed that repeats the trial.
-        unasked: whether points were known before the search, and the optimizer took none of them.
-    """
 
-    x: Floats
-    trace: Trace
-    metrics: dict[str, float]
-    seed: int
-    log: Logs = field(default_factory=dict)
-    unasked: bool = False
+class Cost(NamedTuple):
+    """The time and the memory that a search took, as in columns of a trial."""
 
-    @property
-    def time(self) -> float:
-        """Wall seconds of the whole search, as ``wall_s``."""
-        return self.wall_s
+    wall_s: float
+    cpu_s: float
+    objective_s: float
+    memory_mb: float
 
     @property
     def overhead_s(self) -> float:
         """Wall seconds that the optimizer itself took."""
         return self.wall_s - self.objective_s
+
+
+@dataclass(frozen=True, kw_only=True)
+class Result:
+    """The result of a trial: the best point, its value and the resources used.
+
+    Attributes:
+        x: (d,) the best point.
+        fun: its value, +inf where no point counts.
+        nfev: evaluations made.
+        stop: why the search ended.
+        trace: the best-so-far value over evaluations.
+        metrics: the problem's domain metrics of ``x``.
+        log: what the optimizer logged, by name (:meth:`bench.contract.objective.Objective.log`).
+        seed: the seed that repeats the trial.
+        usage: how the optimizer used the objective.
+        cost: the time and the memory that the search took.
+    """
+
+    x: Floats
+    fun: float
+    nfev: int
+    stop: str
+    trace: Trace
+    metrics: dict[str, float]
+    seed: int
+    usage: Usage
+    cost: Cost
+    log: Logs = field(default_factory=dict)
+
+    @property
+    def time(self) -> float:
+        """Wall seconds of the whole search."""
+        return self.cost.wall_s
 
     def __repr__(self) -> str:
         """Return the result in a few lines: the trace and a long point are shortened."""
@@ -101,7 +125,7 @@ class Result(Measured):
         return (
             f"Result(fun={self.fun!r}, x=[{point}]{metrics},\n"
             f"       nfev={self.nfev}, stop={self.stop!r}, improvements={len(self.trace.values)}, "
-            f"time={self.wall_s:.3g}, seed={self.seed})"
+            f"time={self.time:.3g}, seed={self.seed})"
         )
 
     def _repr_html_(self) -> str:
@@ -111,7 +135,7 @@ class Result(Measured):
             ("best point", listed([f"{coordinate:.6g}" for coordinate in self.x], 10)),
             *((name, f"{value:.6g}") for name, value in self.metrics.items()),
             ("evaluations", f"{self.nfev:,} (stopped by: {self.stop})"),
-            ("time", f"{self.objective_s:.3f} s in the objective, {self.overhead_s:.3f} s in the optimizer"),
+            ("time", f"{self.cost.objective_s:.3f} s in the objective, {self.cost.overhead_s:.3f} s in the optimizer"),
             ("seed", self.seed),
         ]
         return html_table("Result of one run", rows)
@@ -156,7 +180,7 @@ def search(
             raise
     wall, cpu = perf_counter() - wall, process_time() - cpu
     memory = max(0.0, peak_memory() - memory)  # Linux counts pages core by core, and may report less than it did before
-    found = result(objective, seed, wall, cpu, memory, returned)
+    found = result(objective, seed, Cost(wall, cpu, objective.objective_s, memory), returned)
     if interrupt is not None:
         vars(interrupt)["found"] = found
         raise interrupt
@@ -170,8 +194,8 @@ def peak_memory() -> float:
     return resource.getrusage(resource.RUSAGE_SELF).ru_maxrss * (1 if sys.platform == "darwin" else 1024) / 1e6
 
 
-def result(objective: Objective, seed: int, wall: float, cpu: float, memory: float, returned: object = None) -> Result:
-    """Return the result of a search that has ended, from its objective, its wall and processor seconds, and megabytes.
+def result(objective: Objective, seed: int, cost: Cost, returned: object = None) -> Result:
+    """Return the result of a search that has ended, from its objective and its cost.
 
     Its best point is not described: its metrics are empty.
 
@@ -187,10 +211,11 @@ def result(objective: Objective, seed: int, wall: float, cpu: float, memory: flo
         hint = f"; it was stopped: {objective.stop_reason}" if objective.stop_reason else hint
         raise RuntimeError(f"the optimizer returned without a single evaluation{hint}")
     stop = "budget" if objective.nfev == objective.budget else objective.stop_reason
-    clocked: Row = {"wall_s": wall, "cpu_s": cpu, "memory_mb": memory, "stop": "undeclared" if stop is None else stop}
-    counted = {column.name: getattr(objective, column.name) for column in MEASURED if column.name not in clocked}
-    best, trace, log = objective.best_point, objective.trace, objective.logged
-    return Result(**clocked, **counted, x=best, trace=trace, metrics={}, seed=seed, log=log, unasked=objective.unasked)
+    return Result(
+        x=objective.best_point, fun=objective.fun, nfev=objective.nfev, stop="undeclared" if stop is None else stop,
+        trace=objective.trace, metrics={}, seed=seed, log=objective.logged,
+        usage=Usage(**{name: getattr(objective, name) for name in Usage._fields}), cost=cost,
+    )  # fmt: skip
 
 
 def doubt(result: Result, problem: Problem) -> str:
@@ -242,7 +267,8 @@ def as_row(result: Result, variables: tuple[str, ...]) -> Row:
 
 def measured(result: Result) -> Row:
     """Return those columns of a result's row that are single values."""
-    return {column.name: getattr(result, column.name) for column in MEASURED}
+    values = vars(result) | result.usage._asdict() | result.cost._asdict()
+    return {column.name: values[column.name] for column in MEASURED}
 
 
 def finished(

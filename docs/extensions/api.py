@@ -12,7 +12,8 @@ from sphinx.application import Sphinx
 from extensions.pages import code, table, write
 
 PUBLIC = {
-    "run": "bench.compare bench.solve bench.run bench.Listener bench.Outcome bench.Study bench.Result",
+    "run": "bench.compare bench.solve bench.run bench.Listener bench.Outcome bench.Study bench.study.rules.Rules "
+    "bench.Result bench.trial.trial.Usage bench.trial.trial.Cost",
     "read results": "bench.load_results bench.Results bench.results.results.StoredResults "
     "bench.comparison.notebook.Plots bench.write_report",
     "load and check plug-ins": "bench.list_optimizers bench.list_problems bench.load_optimizer bench.load_problem "

@@ -5,8 +5,7 @@ import numpy as np
 from bench import Results
 from bench.contract.objective import Trace
 from bench.execution.plan import Listener
-from bench.trial.columns import MEASURED
-from bench.trial.trial import Result
+from bench.trial.trial import Cost, Result, Usage
 
 TRACE = Trace(np.ones(1, dtype=np.int64), np.ones(1))
 
@@ -29,7 +28,7 @@ class Known(Results):
         return self._facts_of(label)
 
 
-def result(x, fun, *, trace=TRACE, seed=1, **known):
-    """Return a result whose other columns are the least that they may be unless they are known."""
-    least = {column.name: "" if column.kind is str else column.kind(max(column.limits.least, 0)) for column in MEASURED}
-    return Result(**least | {"fun": fun} | known, x=np.array(x), trace=trace, metrics={}, seed=seed)
+def result(x, fun, *, trace=TRACE, seed=1, nfev=1, stop=""):
+    """Return a result of one call of the objective that took no time."""
+    known = {"usage": Usage(1, 1, 0, 0, False), "cost": Cost(0.0, 0.0, 0.0, 0.0)}
+    return Result(x=np.array(x), fun=fun, nfev=nfev, stop=stop, trace=trace, metrics={}, seed=seed, **known)

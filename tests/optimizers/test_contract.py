@@ -98,7 +98,7 @@ def test_a_run_is_silent_keeps_the_budget_or_declares_its_stop_and_leaves_nothin
         assert len(points) == result.nfev <= budget
         assert (result.stop == "budget") == (result.nfev == budget)
         assert result.stop != "undeclared"
-        assert result.outside_box == 0
+        assert result.usage.outside_box == 0
     assert capfd.readouterr() == ("", "")
     assert list(tmp_path.iterdir()) == []
     assert (logging.root.handlers, logging.root.manager.disable) == ([], disabled)

@@ -70,7 +70,7 @@ def test_an_evaluation_gives_value_and_violations_at_once(counted, parallel):
     assert len(count.read_text().splitlines()) == 40
     assert found.x[0] >= 1
     assert found.metrics["violation"] == 0
-    assert found.failures == sum("[3.9" in line for line in count.read_text().splitlines())
+    assert found.usage.failures == sum("[3.9" in line for line in count.read_text().splitlines())
 
 
 def test_points_that_fail_are_infeasible_and_are_run_once(counted):

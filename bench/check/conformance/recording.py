@@ -41,7 +41,6 @@ class RecordedRun:
         points: (n, d) all evaluated points, in order.
         stop: ``"budget"``, the declared reason, or ``"undeclared"``.
         asked_after: how many times it called the objective again after BudgetExhausted was raised.
-        outside_box: points outside the box or not finite.
         reached: attributes of the objective that it read or set although the contract does not offer them.
         touched: the global random states that it left changed.
     """
@@ -49,7 +48,6 @@ class RecordedRun:
     points: Floats = field(default_factory=lambda: np.empty((0, 0)))
     stop: str = "undeclared"
     asked_after: int = 0
-    outside_box: int = 0
     reached: set[str] = field(default_factory=set)
     touched: tuple[str, ...] = ()
 

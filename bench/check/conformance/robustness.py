@@ -52,12 +52,11 @@ def check_box(subject: Subject) -> str:
     """No point lies outside the box, even where the box is uneven and narrow and its optimum in a corner."""
     problem, optimizer = problems.corner(), subject.fresh()
     run = subject.run(problem, instance=optimizer, budget=4 * ordinary_budget(optimizer))
-    if run.outside_box:
-        inside = ((run.points >= problem.lower) & (run.points <= problem.upper)).all(axis=1)
+    outside = run.points[~((run.points >= problem.lower) & (run.points <= problem.upper)).all(axis=1)]
+    if len(outside):
         raise ViolationError(
-            f"{run.outside_box} of {len(run.points)} points lie outside the box, such as "
-            f"{run.points[~inside][0].tolist()} in the box from {problem.lower.tolist()} to {problem.upper.tolist()}; "
-            f"each costs an evaluation and is worth +inf",
+            f"{len(outside)} of {len(run.points)} points lie outside the box, such as {outside[0].tolist()} in the box "
+            f"from {problem.lower.tolist()} to {problem.upper.tolist()}; each costs an evaluation and is worth +inf",
             GUARD if not np.isfinite(run.points).all() else CLIP,
         )
     return f"{len(run.points)} points, none outside a narrow and uneven box far from the origin"

@@ -145,8 +145,7 @@ class Subject(AnySubject):
 
         with threadpool_limits(limits=1), seeded_global_states(global_seed) as changed:
             try:
-                result = search(problem, observed, budget, self.seed + seed, on_refusal)
-                run.stop, run.outside_box = result.stop, result.outside_box
+                run.stop = search(problem, observed, budget, self.seed + seed, on_refusal).stop
             except RuntimeError:  # without a single evaluation
                 if not observed.returned:
                     raise

@@ -113,7 +113,7 @@ def test_solve_by_name_and_stop_reasons():
     assert solve("sphere-3", load_optimizer("early", honest=False), budget=5).stop == "budget"
     result = solve("sphere-3", "hill-climber", budget=2000, seed=1)
     assert result.fun < 1e-6
-    assert result.overhead_s > 0
+    assert result.cost.overhead_s > 0
 
 
 @pytest.mark.slow

@@ -162,7 +162,7 @@ def test_a_trial_of_a_study_is_the_run_of_its_seed(tmp_path):
     run(one := study(tmp_path, evaluation_timeout="1 min"), tmp_path / "eight", n_jobs=1, verify=False)
     (row,) = Folder(tmp_path / "eight").store.rows()
     alone = solve(one.problem("mine"), "random-search", budget=30, seed=row["seed"], evaluation_timeout="1 min")
-    assert (row["status"], row["trace"], row["calls"]) == ("ok", alone.trace.packed(), alone.calls)
+    assert (row["status"], row["trace"], row["calls"]) == ("ok", alone.trace.packed(), alone.usage.calls)
 
 
 @pytest.mark.slow

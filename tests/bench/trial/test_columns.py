@@ -4,7 +4,7 @@ import numpy as np
 
 from bench import FunctionProblem, load_optimizer
 from bench.trial.columns import COLUMNS, MEASURED, STORED, named, packed
-from bench.trial.trial import as_row, search
+from bench.trial.trial import as_row, measured, search
 
 
 def test_names_are_unique_and_meanings_are_phrases():
@@ -18,7 +18,7 @@ def test_a_result_has_every_measured_column_with_its_type():
     problem = FunctionProblem(lambda x: (x * x).sum(axis=1), [-1.0], [1.0], variables=("a",))
     found = search(problem, load_optimizer("random-search"), 10, 1)
     for column in MEASURED:
-        assert type(getattr(found, column.name)) is column.kind
+        assert type(measured(found)[column.name]) is column.kind
     assert {column.name for column in STORED} - as_row(found, ("a",)).keys() == {
         "environment", "seed", "error", "log", "inputs"
     }  # fmt: skip

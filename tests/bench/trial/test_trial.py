@@ -63,7 +63,8 @@ def test_times_are_those_of_the_search(monkeypatch):
         monkeypatch.setattr(f"bench.trial.trial.{name}", times.__next__)
     monkeypatch.setattr("bench.contract.objective.perf_counter", iter([0.0, 2.5]).__next__)
     found = search(SPHERE, Drawing(points=4), 10, seed=0)
-    assert (found.wall_s, found.cpu_s, found.objective_s, found.overhead_s, found.time) == (7.0, 3.0, 2.5, 4.5, 7.0)
+    assert found.cost[:3] == (7.0, 3.0, 2.5)
+    assert (found.cost.overhead_s, found.time) == (4.5, 7.0)
 
 
 FORKED = """
@@ -76,7 +77,7 @@ class Holding:
         objective(objective.initial(10) + 0 * np.ones(5_000_000)[0])  # 40 MB
 np.ones(8_000_000)  # 64 MB, which are free again when the process is forked
 if not os.fork():
-    print(search(FunctionProblem(np.ravel, [0], [1], vectorized=True), Holding(), 10, 0).memory_mb, flush=True)
+    print(search(FunctionProblem(np.ravel, [0], [1], vectorized=True), Holding(), 10, 0).cost.memory_mb, flush=True)
     os._exit(0)
 os.wait()
 """
@@ -92,7 +93,7 @@ def test_the_memory_of_a_trial_is_that_of_its_own_process_and_not_what_its_paren
 def test_no_memory_is_negative_where_the_system_reports_less_than_before(monkeypatch):
     peaks = iter([2000, 1872])  # kB, as Linux 6.18 did on a busy machine
     monkeypatch.setattr("resource.getrusage", lambda who: SimpleNamespace(ru_maxrss=next(peaks)))
-    assert search(SPHERE, Drawing(3), 10, 0).memory_mb == 0
+    assert search(SPHERE, Drawing(3), 10, 0).cost.memory_mb == 0
 
 
 def raises_beyond(limit):
