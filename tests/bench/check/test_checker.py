@@ -90,12 +90,7 @@ def test_an_optimizer_that_cannot_keep_its_budget_is_not_searched_for_biases():
         (faulty.Quitting, "values", "ended the process that it ran in (exit code 3)", "raise an exception"),
         (faulty.Interrupting, "dimensions", "it raised KeyboardInterrupt: no message", "any dimension"),
         (faulty.Crashing, "dimensions", "ended the process that it ran in (", "crash in compiled code"),
-        (
-            faulty.Forging,
-            "values",
-            "its process gave an answer that is no verdict",
-            "leave the harness's objects alone",
-        ),
+        (faulty.Forging, "values", "its process gave an answer that is no verdict", "leave the harness's objects"),
         (faulty.Answering, "dimensions", "it sent what answers no call", ""),
         (faulty.Threaded, "leftovers", "every run leaves a thread running", "in a finally"),
     ],
