@@ -13,6 +13,7 @@ from dataclasses import dataclass
 from itertools import pairwise
 
 import numpy as np
+from numba import njit
 
 from bench.contract.typing import Floats
 from problems.backlash.recordings import Recording
@@ -105,19 +106,29 @@ def _cheapest(parts: Floats, turn: Floats, weight: float) -> tuple[float, np.nda
     costs = (parts**2).sum(axis=1)[:, np.newaxis] - 2 * parts @ windows.T + (windows**2).sum(axis=1)
     at = np.add.outer(size * np.arange(count), np.arange(places)) % places
     costs = weight * np.take_along_axis(costs, at, axis=1)
-    total, came = costs[0], np.zeros((count, places), dtype=int)
+    found: tuple[float, np.ndarray] = _sequence(costs)
+    return found
+
+
+@njit(cache=True)
+def _sequence(costs: Floats) -> tuple[float, np.ndarray]:
+    """Return the cost of the cheapest way through costs (m, places), and the place that it has in each row (m,)."""
+    count, places = costs.shape
+    total = costs[0].copy()
+    came = np.empty((count, places), dtype=np.int64)
     for i in range(1, count):
-        ways = np.stack([total, np.roll(total, 1) + STEP, np.roll(total, -1) + STEP])
-        way, least = ways.argmin(axis=0), int(total.argmin())
-        came[i] = (np.arange(places) - np.array([0, 1, -1])[way]) % places
-        cost = ways.min(axis=0)
-        came[i][cost > total[least] + JUMP] = least
-        total = np.minimum(cost, total[least] + JUMP) + costs[i]
-    phases = np.zeros(count, dtype=int)
-    phases[-1] = total.argmin()
+        before, least = total.copy(), int(np.argmin(total))
+        for place in range(places):
+            way, cost = place, before[place]
+            for other, change in (((place - 1) % places, STEP), ((place + 1) % places, STEP), (least, JUMP)):
+                if before[other] + change < cost:
+                    way, cost = other, before[other] + change
+            came[i, place], total[place] = way, cost + costs[i, place]
+    phases = np.empty(count, dtype=np.int64)
+    phases[-1] = np.argmin(total)
     for i in range(count - 1, 0, -1):
         phases[i - 1] = came[i, phases[i]]
-    return float(total.min()), phases
+    return total.min(), phases
 
 
 def _mean_turn(parts: Floats, phases: np.ndarray) -> Floats:
