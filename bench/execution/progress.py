@@ -16,6 +16,7 @@ from bench.contract.families import function_of
 from bench.execution.journal import best, under_way
 from bench.execution.plan import Listener, Plan
 from bench.helpers.console import bars, duration, print_line
+from bench.helpers.errors import BenchError
 from bench.helpers.text import count
 from bench.trial.columns import Row
 from bench.trial.trial import Trial
@@ -101,6 +102,8 @@ def listening(progress: bool | Listener | None) -> AbstractContextManager[Listen
     """Return a display of a run's progress, or a listener that hears in silence; with None, a display in a notebook."""
     if isinstance(progress, Listener):
         return nullcontext(progress)
+    if not isinstance(progress, bool | None):
+        raise BenchError(f"progress must be true, false or a bench.Listener, not {progress!r:.100}")
     console = Console()
     wanted = console.is_jupyter if progress is None else progress
     return Display(console) if wanted else nullcontext(Listener())

@@ -158,6 +158,7 @@ def run(
     from bench.execution.progress import listening  # not at the top: it imports rich
 
     require_jobs("the number of jobs", n_jobs)
+    heard = listening(progress)
     with interrupts_deferred() as interrupts, ExitStack() as held:
         with interrupts.allowed():  # loading plug-ins or reaching a cluster may take long
             pool = held.enter_context(_pool(backend, n_jobs, scheduler))
@@ -170,7 +171,7 @@ def run(
         plan = planned(chosen, at_a_time(chosen.study, pool.jobs, backend))
         limit = chosen.task.timeout
         about = provenance.run(plan.study, pool.jobs, backend, timeout=limit, shard=shard, untrusted=untrusted)
-        listener = held.enter_context(listening(progress))
+        listener = held.enter_context(heard)
         listener.plan(plan)
         make = partial(pool.answers, under_way.begin)
         with interrupts.allowed():

@@ -2,7 +2,7 @@
 
 import pytest
 
-from bench import Listener, Study, run
+from bench import BenchError, Listener, Study, run
 from bench.execution.progress import Display, listening
 
 
@@ -25,6 +25,8 @@ def test_a_listener_hears_the_plan_and_then_every_trial(small_study, tmp_path, c
 
     run(small_study.override(trials=1), tmp_path / "out", n_jobs=1, progress=Ears())
     assert heard == [tmp_path / "out", *["ok"] * 6]
+    with pytest.raises(BenchError, match=r"progress must be true, false or a bench\.Listener, not <built-in"):
+        run(small_study, tmp_path / "none", progress=print)
     assert capsys.readouterr().out == ""
 
 
