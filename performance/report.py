@@ -79,7 +79,7 @@ def made(folder: Path, suite: dict[str, object], optimizers: int) -> Path:
     with place.store.writer() as writer, writer.transaction():
         for trial in study.plan():
             problem = problems[trial.problem]
-            budget = study.evaluations(len(problem.lower))
+            budget = study.budget.evaluations(len(problem.lower))
             writer.put(packed(row(trial, problem, skills[trial.optimizer], budget)) | trial.columns)
     return folder
 

@@ -59,7 +59,8 @@ def main() -> None:
     ]
     print(f"{'':40} margin  pairs  {'pass on average':>15}  {'pass on every':>15}  {'worse':>15}")
     for name, margin, pairs, draw in kinds:
-        found = [compare_samples(draw(), margin, every=True) for _ in range(pairs)]
+        samples = ({problem: [both] for problem, both in draw().items()} for _ in range(pairs))
+        found = [compare_samples(each, margin, every=True) for each in samples]
         worse = [each.outcome == "worse" for each in found]
         average = [each.high <= each.bound and each.outcome != "worse" for each in found]
         rates = [rate(each) for each in (average, [each.passed for each in found], worse)]

@@ -25,13 +25,7 @@ Example:
 
 from inspect import isfunction
 
-from bench.analysis.anytime import (
-    convergence,
-    ecdf,
-    evaluation_grid,
-    expected_running_time,
-    hitting_times,
-)
+from bench.analysis.anytime import convergence, ecdf, evaluation_grid, expected_running_time, hitting_times
 from bench.analysis.cells import Budgets, Traces, coverage, in_study_order, labels, regret, scores, summarise, timing
 from bench.analysis.comparison import chances, compare, order, wins_all
 from bench.analysis.direction import ALPHA, a12

@@ -32,14 +32,7 @@ import numpy as np
 import pandas as pd
 
 from bench.analysis.cells import labels, scores
-from bench.analysis.direction import (
-    ALPHA,
-    Effects,
-    effects,
-    inference,
-    stratified,
-    wins,
-)
+from bench.analysis.direction import ALPHA, Effects, effects, inference, stratified, wins
 from bench.analysis.standings import a12_matrix, mean_chance, ranks
 from bench.analysis.strata import Places, Samples, rows, strata
 from bench.contract.typing import Floats

@@ -32,7 +32,6 @@ from bench.analysis.cells import labels
 from bench.analysis.direction import ALPHA, Effects, effects, intervals, stratified
 from bench.analysis.pairwise import holm
 from bench.analysis.strata import Samples, strata
-from bench.contract.typing import Floats
 from bench.helpers.errors import BenchError
 
 Outcome = Literal["better", "not worse", "worse", "undecided"]
@@ -112,25 +111,19 @@ def noninferiority(
     both = frame[frame["optimizer"].isin([old, new])]
     place = [labels(both, "optimizer").index(label) for label in (old, new)]
     samples = {problem: [[of[each] for each in place] for of in every_of] for problem, every_of in strata(both).items()}
-    return _compared(
+    return compare_samples(
         {problem: of for problem, of in samples.items() if all(len(sample) for own in of for sample in own)},
         margin, alpha, every,
     )  # fmt: skip
 
 
 def compare_samples(
-    samples: Mapping[str, tuple[Floats, Floats]], margin: float = MARGIN, alpha: float = ALPHA, every: bool = False
+    samples: Mapping[str, Sequence[Samples]], margin: float = MARGIN, alpha: float = ALPHA, every: bool = False
 ) -> Noninferiority:
-    """Compare scores of the old version, (n,), with those of the new one, (m,), by problem; see :func:`noninferiority`.
+    """Compare scores of the old version, (n,), with those of the new one, (m,), by problem and stratum.
 
-    Raises:
-        BenchError: as :func:`noninferiority`.
+    See :func:`noninferiority`, also for what it raises, and :mod:`bench.analysis.strata`.
     """
-    return _compared({problem: [both] for problem, both in samples.items()}, margin, alpha, every)
-
-
-def _compared(samples: Mapping[str, Sequence[Samples]], margin: float, alpha: float, every: bool) -> Noninferiority:
-    """Compare scores of both versions by problem and stratum (:mod:`bench.analysis.strata`)."""
     if not 0 < margin < LARGEST_MARGIN:
         raise BenchError(f"the margin is {margin!r}, but must be above 0 and below {LARGEST_MARGIN}, such as {MARGIN}")
     if not 0 < alpha < 1:

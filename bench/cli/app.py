@@ -134,7 +134,8 @@ def _called() -> Any:
     try:
         return app(prog_name="bench", standalone_mode=False)
     except SystemExit as ended:
-        if ended.code or "_BENCH_COMPLETE" in os.environ:
+        completion = {"--show-completion", "--install-completion"} & {*sys.argv}
+        if ended.code or completion or "_BENCH_COMPLETE" in os.environ:
             raise
         raise BenchError("a plug-in called sys.exit, so the command ended before it was done") from ended
 

@@ -62,6 +62,13 @@ def require_seed(what: str, value: object) -> None:
     require_whole(what, value, 0, LARGEST_SEED)
 
 
+def require_flag(what: str, value: object) -> bool:
+    """Return a bool; raises BenchError for any other value."""
+    if not isinstance(value, bool):
+        raise BenchError(f"{what} must be true or false, not {value!r}")
+    return value
+
+
 def require_jobs(what: str, value: object) -> None:
     """Raise BenchError unless the value is a number of jobs: from 1 to :data:`MOST_JOBS`, or -1 for every core."""
     if value != -1:

@@ -93,7 +93,7 @@ class Evaluator(AbstractContextManager["Evaluator"]):
         self._optima, self._budgets = dict[str, float](), dict[str, int]()
         for entry in self._study.problems:  # they are trusted, and what they compile no sandbox can write
             problem = self._study.problem(entry.label)
-            self._budgets[entry.label] = self._study.evaluations(problem.dimension)
+            self._budgets[entry.label] = self._study.budget.evaluations(problem.dimension)
             warm_problem(problem, self._budgets[entry.label])
             if problem.optimum is not None:
                 self._optima[entry.label] = problem.optimum

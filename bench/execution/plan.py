@@ -107,7 +107,7 @@ class Plan:
 
 
 class Listener:
-    """What a run tells: a subclass hears what it overrides."""
+    """What a run calls as it goes on; a subclass overrides what it wants to hear of."""
 
     def plan(self, plan: Plan) -> None:
         """Hear the plan, once, before the first trial."""

@@ -99,7 +99,7 @@ class Display(Listener):
 
 
 def listening(progress: bool | Listener | None) -> AbstractContextManager[Listener]:
-    """Return a display of a run's progress, or a listener that hears in silence; with None, a display in a notebook."""
+    """Return a listener that is given; a display for True, and for None in a notebook; else one that does nothing."""
     if isinstance(progress, Listener):
         return nullcontext(progress)
     if not isinstance(progress, bool | None):

@@ -148,7 +148,7 @@ def run(
         reuse: folders whose trials of equal cells are taken instead of being made again.
         shard: "3/20" for the third of twenty parts; each part is run into a folder of its own.
         progress: whether to print the plan, the trials done and the failures; by default in a notebook only. A listener
-            gets the plan, before the first trial, and every finished trial with its row.
+            in its place gets the plan, before the first trial, and every finished trial with its row.
 
     Raises:
         BenchError: for a study that cannot be run or a folder that cannot take it.

@@ -7,6 +7,7 @@ from collections.abc import Callable, Sequence
 from contextlib import closing, suppress
 from copy import copy
 from dataclasses import replace
+from inspect import signature
 from os import PathLike
 from pathlib import Path
 from typing import Any
@@ -50,13 +51,10 @@ def solve(
     budget: int | str,
     bounds: Sequence[tuple[float, float]] | None = None,
     seed: int = 0,
-    parallel: int = 1,
-    final_target: float | None = None,
-    stop_at: float | None = None,
     on_evaluation: OnEvaluation | None = None,
     initial: ArrayLike | str | None = None,
     output: str | PathLike[str] | None = None,
-    **rules: object,
+    **study: object,
 ) -> Result:
     """Run one optimizer once on one problem.
 
@@ -74,35 +72,32 @@ def solve(
             generation.
         bounds: of a function, a pair (lower, upper) for each variable.
         seed: repeats the run exactly; the ``seed`` of a study's row repeats that trial.
-        parallel: points of a call that are evaluated at a time, each in a process of the problem; the result is the
-            same.
-        final_target: the difference to the known optimum at which the run ends, such as 1e-8.
-        stop_at: the value at which the run ends, once a feasible point has it.
         on_evaluation: called after each evaluation with its number from 1, the (d,) point, its value (+inf of an
             infeasible point) and the lowest value so far; it may raise :class:`bench.StopRun`.
         initial: (k, d) points that are known, with which the run begins, or the name of a CSV file of them.
         output: a folder in which the evaluations are noted, so that the same call goes on after an interruption
             (:mod:`bench.execution.journal`); of a problem without noise.
-        rules: ``constraints``, ``on_error``, ``evaluation_timeout`` and ``time``, as in a study
-            (:class:`bench.study.rules.Rules`).
+        study: further keys of a study (:class:`bench.study.rules.Rules`): ``constraints``, ``on_error``,
+            ``evaluation_timeout``, ``time``, ``final_target``, ``stop_at`` and ``parallel``.
 
     Raises:
         BenchError: for an unknown problem, optimizer or rule, bounds that are not a box, a budget below 1, a rule that
             cannot be, and for a noisy problem where its points are to be evaluated by other processes.
         ProblemError: where the problem raises; its ``raised`` is what the problem raised.
     """
+    known = {*signature(solve).parameters, *RULES} - {"study", "journal"}
+    for name in study:
+        if name not in known:
+            raise BenchError(f"solve has no setting {name!r}{nearest(name, known)}")
+    rules = Rules(**study)
     loaded = loading.as_problem(problem, bounds)
     chosen = loading.as_optimizer(optimizer)
-    known = RULES - {"journal"}  # a run with an output always has one
-    for name in rules.keys() - known:
-        raise BenchError(f"solve has no setting {name!r}{nearest(name, known)}")
-    ruled = Rules(parallel=parallel, final_target=final_target, stop_at=stop_at, **rules)
     require_seed("'seed'", seed)
     spent = Budget.read(budget, "'budget'").evaluations(loaded.dimension)
     if initial is not None:
         loaded = with_initial(copy(loaded), known_points(initial, "of this call"))
-    minimized = scored(loaded, ruled.constraints, ruled.on_error)
-    good = ruled.goal(minimized)
+    minimized = scored(loaded, rules.constraints, rules.on_error)
+    good = rules.goal(minimized)
     journal = None
     if output is not None and not loaded.noisy:
         usual = defaults(chosen)
@@ -111,12 +106,12 @@ def solve(
         label = title(optimizer) + "".join(changed)
         key = Trial(loaded.name, label, 0, seed).columns | {"budget": spent, "variables": [*loaded.variables]}
         Path(output).mkdir(parents=True, exist_ok=True)
-        journal = Journal(Path(output), key, _about(loaded), limit=ruled.evaluation_timeout, always=True)
+        journal = Journal(Path(output), key, _about(loaded), limit=rules.evaluation_timeout, always=True)
     if isinstance(optimizer, str):
         warm(minimized, chosen, spent)
     # Results and times must not depend on the number of BLAS threads.
-    with threadpool_limits(limits=1), evaluated(minimized, *ruled.evaluation, journal) as answering:
-        found = search(answering, chosen, spent, seed, end_if_stuck, ruled.time, good, on_evaluation)
+    with threadpool_limits(limits=1), evaluated(minimized, *rules.evaluation, journal) as answering:
+        found = search(answering, chosen, spent, seed, end_if_stuck, rules.time, good, on_evaluation)
         try:
             metrics = numbers(answering.describe(found.x.copy()))
         except Exception as error:  # what was found is not lost by it

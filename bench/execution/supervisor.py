@@ -233,7 +233,7 @@ class Supervisor:
         answer = job.make(trial, server, held)
         if reason := answers.error(answer):
             return failed(self._cut(reason))
-        row = answers.row(answer, box, self._task.study.evaluations(len(box.lower)))
+        row = answers.row(answer, box, self._task.study.budget.evaluations(len(box.lower)))
         counted = {key: number for key in ("replayed", "dropped") if type(number := answer.get(key)) is int}
         beside = {"after": after, "inputs": answer.get("inputs"), "unasked": answer.get("unasked") is True}
         return row | {"beside": beside | {"journal": counted}}

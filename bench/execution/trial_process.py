@@ -117,7 +117,7 @@ def _load_problem(label: str) -> JsonObject | str:
         return PROBLEM_FAILED + _failure(error)
     with contextlib.suppress(BaseException):  # the trials will report it
         kind = type(problem.unscored)
-        warm_problem(problem, _study.evaluations(problem.dimension), evaluated=kind not in _warm)
+        warm_problem(problem, _study.budget.evaluations(problem.dimension), evaluated=kind not in _warm)
         _warm.add(kind)
     return described
 
@@ -139,7 +139,7 @@ def warm_up(optimizer: str, box: Box) -> bool:
     reaches all its trials.
     """
     with contextlib.suppress(BaseException), reading("optimizer", optimizer):  # the trial itself will report the error
-        budget = _study.evaluations(len(box.lower))
+        budget = _study.budget.evaluations(len(box.lower))
         is_warm = optimizer in _warm
         _warm.add(optimizer)
         if not is_warm:
@@ -179,7 +179,7 @@ def make(trial: Trial, box: Box | None = None, end: int = -1) -> JsonObject:
         beside = reading("problem", trial.problem) if box is None else nullcontext()
         with effects, beside, problem as minimized, reading("optimizer", trial.optimizer):
             observing.declare(_study.files(trial.optimizer))
-            budget = _study.evaluations(minimized.dimension)
+            budget = _study.budget.evaluations(minimized.dimension)
             limit = _study.rules.time if box is None else None  # else the other process has it
             goal = _study.rules.goal(minimized) if box is None else -inf
             _found = search(minimized, optimizer, budget, trial.seed, end_if_stuck, limit, goal)
@@ -200,7 +200,7 @@ def _journal(trial: Trial) -> Journal | None:
     if trial.again or trial.problem in _fast or problem.unscored.noisy or not (_output and Path(_output).is_dir()):
         return None
     entry = next(entry for entry in _study.problems if entry.label == trial.problem)
-    key = trial.columns | {"budget": _study.evaluations(problem.dimension), "variables": [*problem.variables]}
+    key = trial.columns | {"budget": _study.budget.evaluations(problem.dimension), "variables": [*problem.variables]}
     about = {"name": entry.name, "options": entry.options}
 
     def read() -> Inputs:
@@ -218,7 +218,7 @@ def serve(trial: Trial, end: int) -> JsonObject:
     problem = _problem(trial.problem)
     with reading("problem", trial.problem), evaluated(problem, *_study.rules.evaluation) as minimized:
         observing.declare(_study.files(trial.problem))
-        budget = _study.evaluations(problem.dimension)
+        budget = _study.budget.evaluations(problem.dimension)
         stream, goal = streams(trial.seed)[0], _study.rules.goal(minimized)
         objective = scoring.objective(minimized, budget, stream, seconds=_study.rules.time, goal=goal)
         seconds = apart.serve(objective, end)

@@ -15,12 +15,7 @@ from inspect import isfunction
 
 from bench.analysis.input import guarded
 from bench.plots import style
-from bench.plots.curves import (
-    convergence,
-    ecdf,
-    ert,
-    spells,
-)
+from bench.plots.curves import convergence, ecdf, ert, spells
 from bench.plots.forest import a12_forest
 from bench.plots.rows import box_plot, strips, timing
 

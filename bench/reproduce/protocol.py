@@ -124,7 +124,7 @@ def samples(table: PaperTable, made: Protocol, results: StoredResults) -> dict[P
             made.reasons[cell] = "there are fewer than two trials of it"
         elif failed or not np.isfinite(values).all():
             made.reasons[cell] = f"{failed or 'some'} of its {len(rows)} trials failed"
-        elif evaluations != results.study.evaluations(results.dimension(label)):
+        elif evaluations != results.study.budget.evaluations(results.dimension(label)):
             made.reasons[cell] = "the results have another budget"
         elif table.errors and optimum is None:
             made.reasons[cell] = "the optimum of the problem is not known, and the table prints errors"

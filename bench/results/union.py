@@ -157,4 +157,4 @@ def _largest(studies: Sequence[Study], problems: Iterable[str], stored: Callable
             "finished trial on it"
         )
     sizes = sorted({dimension for dimension in dimensions.values() if dimension})
-    return Budget.read({str(size): max(study.evaluations(size) for study in studies) for size in sizes})
+    return Budget.read({str(size): max(study.budget.evaluations(size) for study in studies) for size in sizes})

@@ -3,11 +3,9 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, fields
-from functools import partial
 from math import inf, nextafter
-from typing import Any
 
-from bench.contract.numbers import MOST_PARALLEL, is_finite, require_whole, seconds
+from bench.contract.numbers import MOST_PARALLEL, is_finite, require_flag, require_positive, require_whole, seconds
 from bench.contract.problem import Problem
 from bench.helpers.errors import BenchError
 from bench.helpers.parsing import JsonObject
@@ -16,16 +14,10 @@ from bench.trial.scoring import constraints as handlings
 from bench.trial.scoring import require_on_error
 
 
-def _finite(value: Any, what: str, *, least: float = -inf) -> float:
-    if not is_finite(value) or value <= least:
-        raise BenchError(f"{what} must be a {'positive ' * (least == 0)}number, not {value!r}")
+def _finite(value: object, what: str) -> float:
+    if not is_finite(value):
+        raise BenchError(f"{what} must be a number, not {value!r}")
     return float(value)
-
-
-def _flag(value: Any, what: str) -> bool:
-    if not isinstance(value, bool):
-        raise BenchError(f"{what} must be true or false, not {value!r}")
-    return value
 
 
 @dataclass(frozen=True)
@@ -56,10 +48,10 @@ class Rules:
     on_error: Checked[str] = Checked(require_on_error, "fail")
     evaluation_timeout: Checked[float | None] = Checked(seconds)
     time: Checked[float | None] = Checked(seconds)
-    final_target: Checked[float | None] = Checked(partial(_finite, least=0))
+    final_target: Checked[float | None] = Checked(lambda value, what: require_positive(what, value))
     stop_at: Checked[float | None] = Checked(_finite)
     parallel: Checked[int] = Checked(lambda value, what: require_whole(what, value, 1, MOST_PARALLEL), 1)
-    journal: Checked[bool] = Checked(_flag, False)
+    journal: Checked[bool] = Checked(lambda value, what: require_flag(what, value), False)
 
     @property
     def evaluation(self) -> tuple[int, float | None]:
@@ -95,6 +87,13 @@ class Rules:
         while near - problem.optimum > self.final_target:  # the sum is rounded, and reports subtract
             near = nextafter(near, -inf)
         return max(near, value)
+
+
+def read_rules(value: object, what: str) -> Rules:
+    """Return rules as they are; raises BenchError for anything else."""
+    if not isinstance(value, Rules):
+        raise BenchError(f"{what} must be a bench.study.rules.Rules, not {value!r:.100}")
+    return value
 
 
 KEYS = {each.name for each in fields(Rules)}

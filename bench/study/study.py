@@ -8,7 +8,7 @@ import os
 import re
 from collections.abc import Callable, Iterable, Iterator, Mapping
 from copy import deepcopy
-from dataclasses import dataclass, field
+from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
@@ -28,7 +28,7 @@ from bench.study.cell import Cell, Labels, record
 from bench.study.entries import Entry
 from bench.study.initial import with_initial
 from bench.study.rules import KEYS as RULES
-from bench.study.rules import Rules
+from bench.study.rules import Rules, read_rules
 from bench.study.targets import Targets
 from bench.study.values import Checked, Value
 from bench.trial.scoring import scored
@@ -69,7 +69,7 @@ class Study:
     budget: Checked[Budget] = Checked(Budget.read, Budget.read(10_000))
     seed: Checked[int] = Checked(lambda value, what: require_whole(what, value, 0, LARGEST_SEED), 0)
     title: str = ""
-    rules: Rules = field(default_factory=Rules)
+    rules: Checked[Rules] = Checked(read_rules, Rules())
     targets: Checked[Targets | None] = Checked(Targets.read)
     subject: str = ""
 
@@ -129,10 +129,6 @@ class Study:
         """Return a copy with the given fields replaced; None leaves a field as it is."""
         chosen: dict[str, Any] = {key: value for key, value in changes.items() if value is not None}
         return dataclasses.replace(self, **chosen)
-
-    def evaluations(self, dimension: int) -> int:
-        """Return the evaluations of a trial in this dimension; raises BenchError where the budget has none."""
-        return self.budget.evaluations(dimension)
 
     @property
     def budget_words(self) -> str:
@@ -229,7 +225,7 @@ class Study:
 
     def _least(self, dimensions: Mapping[str, int]) -> int:
         """Return the smallest budget of any problem; raises BenchError where a dimension has none."""
-        return min(self.evaluations(dimension) for dimension in {*dimensions.values()})
+        return min(self.budget.evaluations(dimension) for dimension in {*dimensions.values()})
 
     def cells(self, dimensions: Mapping[str, int]) -> dict[Labels, Cell]:
         """Return the cells of the study by the labels of problem and optimizer, in their order.
@@ -239,7 +235,9 @@ class Study:
         handling = {"constraints": self.rules.constraints, "on_error": self.rules.on_error} | self.rules.deciding
         problems = {entry.label: record(**_about(entry), **handling) for entry in self.problems}
         optimizers = {entry.label: record(**_about(entry)) for entry in self.optimizers}
-        evaluations = {label: self.evaluations(dimensions[label]) if label in dimensions else 0 for label in problems}
+        evaluations = {
+            label: self.budget.evaluations(dimensions[label]) if label in dimensions else 0 for label in problems
+        }
         return {
             (problem, optimizer): Cell(problems[problem], optimizers[optimizer], evaluations[problem], self.seed)
             for problem in problems

@@ -1,7 +1,7 @@
 """The columns of a trial: their names, types, units, bounds and meanings, in one table.
 
 From :data:`COLUMNS` follow what is checked of an answer, the tables of a store, the tidy frame, imports, exports and
-the reference page. A further column is a line here; one that a search fills in is a field of its result, too.
+the reference page. A further column is a line here; a search's, also a field of the result or of its parts.
 
 A trial takes five forms: the result in its process, the answer (JSON) that crosses to the parent, the row that the
 parent makes of it once it is checked, the row of the store, and that of the frame.

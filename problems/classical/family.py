@@ -10,8 +10,8 @@ import numpy as np
 
 from bench import Problem
 from bench.contract.families import Grid, Member
+from bench.contract.numbers import require_flag
 from bench.contract.typing import Floats
-from bench.helpers.errors import BenchError
 from problems.common import Suite, SuiteProblem, features_of
 
 DIMENSIONS = (2, 3, 5, 10, 20, 30, 40, 50, 100)
@@ -58,8 +58,7 @@ def _compiled(function: Callable[[Floats, Floats], None]) -> Callable[[Floats, F
 
 
 def _problem(name: str, member: Member, rotate: object = True) -> Problem:
-    if not isinstance(rotate, bool):
-        raise BenchError(f"problem {name!r}: rotate must be true or false, not {rotate!r}")
+    rotate = require_flag(f"problem {name!r}: rotate", rotate)
     from problems.classical import functions
     from problems.classical.instance import instance, rotated
 

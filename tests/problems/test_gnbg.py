@@ -61,7 +61,7 @@ def test_the_studies_have_the_rule_of_the_competition(theirs):
         study = Study.load(path)
         for entry in study.problems:
             package = theirs(int(entry.label[6:8]))
-            assert study.evaluations(30) == package.MaxEvals
+            assert study.budget.evaluations(30) == package.MaxEvals
             assert study.targets == [package.AcceptanceThreshold]
         assert study.trials == 30
         seen += [entry.label for entry in study.problems]

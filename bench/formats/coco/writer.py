@@ -28,14 +28,7 @@ from numpy.typing import NDArray
 
 from bench.analysis.cells import reference_values
 from bench.contract.typing import Floats
-from bench.formats.trials import (
-    OTHERS,
-    ExportedTrial,
-    FormatWriter,
-    by_function,
-    folders_of,
-    readme,
-)
+from bench.formats.trials import OTHERS, ExportedTrial, FormatWriter, by_function, folders_of, readme
 from bench.helpers.errors import BenchError
 from bench.results.results import ProblemFacts, StoredResults
 

@@ -23,14 +23,7 @@ from typing import NamedTuple
 import numpy as np
 
 from bench.contract.objective import Trace
-from bench.formats.trials import (
-    OTHERS,
-    ExportedTrial,
-    FormatWriter,
-    by_function,
-    folders_of,
-    readme,
-)
+from bench.formats.trials import OTHERS, ExportedTrial, FormatWriter, by_function, folders_of, readme
 from bench.helpers.errors import BenchError
 from bench.helpers.parsing import JsonObject
 from bench.helpers.text import file_name

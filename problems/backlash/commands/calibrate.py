@@ -42,7 +42,7 @@ def calibrate(
     the best fit to a recording is some per cent off; a calibration contains this difference, unless --no-fits leaves it
     out.
     """
-    from problems.backlash.joint import Joint, half_gap, load_joint
+    from problems.backlash.joint import DEFAULT, half_gap, load_joint
     from problems.backlash.joint.writing import check_output
     from problems.backlash.sensor.formatting import calibration_lines
     from problems.backlash.signature import calibration
@@ -56,7 +56,7 @@ def calibrate(
         from problems.backlash.sensor.response import response
 
         made = dataclasses.replace(made, **response(chosen, half_gaps, n_jobs=jobs, shown=True))
-    print_line("\n".join(calibration_lines(made, is_default=chosen == Joint())))
+    print_line("\n".join(calibration_lines(made, is_default=chosen == DEFAULT)))
     if plot is not None:
         from problems.backlash.signature.figures import save_figures
 

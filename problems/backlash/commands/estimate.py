@@ -32,7 +32,7 @@ class Reading(OptionGroup, panel="Recording"):
     window: str | None = option(metavar="BEGIN:END", help="The part to use in s, as 18.99:20.11, 2: or :10.")
 
 
-class Fit(OptionGroup, panel="Fit"):
+class Fitting(OptionGroup, panel="Fit"):
     """How the signature is fitted."""
 
     gear_ratio: float | None = option(
@@ -42,7 +42,7 @@ class Fit(OptionGroup, panel="Fit"):
     single: bool = option(False, "--single", help="Fit one oscillation: less than a load turn, as of a robot's wrist.")
 
 
-class Verdict(OptionGroup, panel="Verdict"):
+class Judging(OptionGroup, panel="Verdict"):
     """How an amplitude is judged."""
 
     calibration: str | None = option(
@@ -80,8 +80,8 @@ def estimate(
     ],
     *,
     reading: Reading,
-    fit: Fit,
-    verdict: Verdict,
+    fit: Fitting,
+    verdict: Judging,
     output: Output,
 ) -> None:
     """Estimate the backlash of a joint from a recording of its motor's speed, with a confidence interval.

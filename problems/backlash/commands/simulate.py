@@ -26,7 +26,7 @@ SAMPLE = 0.002  # s, the sampling period of a simulated recording
 NEW_GAP, WORN_GAP, MONTHLY_NOISE = 0.0003, 0.0039, 0.2  # rad, rad, rps: the defaults of a wear curve
 
 
-class Recording(OptionGroup, panel="Recording"):
+class RecordingOptions(OptionGroup, panel="Recording"):
     """What is recorded."""
 
     duration: float | None = option(help="Seconds to record.", show_default="12 load turns")
@@ -76,7 +76,7 @@ def simulate(
         typer.Option(help="A TOML file with parameters of the joint; 'bench simulate joint.toml' writes one."),
     ] = None,
     *,
-    recording: Recording,
+    recording: RecordingOptions,
     wear: Wear,
     force: Force = False,
 ) -> None:

@@ -85,6 +85,8 @@ class Joint:
     load: Load = Load()
 
     def __post_init__(self) -> None:
+        if [type(part) for part in (self.drive, self.gear, self.load)] != [Drive, Gear, Load]:
+            raise BenchError("Joint: its parts are a Drive, a Gear and a Load, in this order.")
         for name, value in self.parameters.items():
             may_be_zero = FIELDS[name].metadata["may_be_zero"]
             if not is_finite(value) or value < 0 or (value == 0 and not may_be_zero):

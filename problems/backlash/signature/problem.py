@@ -7,7 +7,7 @@ from typing import Literal, NamedTuple, get_args
 
 import numpy as np
 
-from bench.contract.numbers import require_positive, require_whole
+from bench.contract.numbers import require_flag, require_positive, require_whole
 from bench.contract.problem import Problem
 from bench.contract.typing import Floats
 from bench.helpers.errors import BenchError
@@ -212,8 +212,7 @@ def _check_options(
         raise BenchError(f"problem {name!r}: unit must be 'rps' or 'rpm', not {unit!r}")
     require_whole(f"problem {name!r}: turns", turns, 1, 100_000)
     for option, flag in (("single", single), ("constrained", constrained)):
-        if not isinstance(flag, bool):
-            raise BenchError(f"problem {name!r}: {option} must be true or false, not {flag!r}")
+        require_flag(f"problem {name!r}: {option}", flag)
     positive = {
         "period": period,
         "amplitude_factor": amplitude_factor,

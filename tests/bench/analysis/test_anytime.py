@@ -6,13 +6,7 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from bench.analysis.anytime import (
-    convergence,
-    ecdf,
-    evaluation_grid,
-    expected_running_time,
-    hitting_times,
-)
+from bench.analysis.anytime import convergence, ecdf, evaluation_grid, expected_running_time, hitting_times
 from bench.analysis.target_sets import targets
 from bench.contract.objective import Trace
 

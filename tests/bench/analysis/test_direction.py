@@ -6,16 +6,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from scipy.stats import binom, brunnermunzel, fisher_exact, mannwhitneyu, norm
 
-from bench.analysis.direction import (
-    LEAST_SHARE,
-    UNTIED,
-    a12,
-    effects,
-    intervals,
-    least_p,
-    p_values,
-    wins,
-)
+from bench.analysis.direction import LEAST_SHARE, UNTIED, a12, effects, intervals, least_p, p_values, wins
 
 INF = float("inf")
 SIZES = [(2, 2), (5, 5), (9, 4), (3, 11), (30, 30)]

@@ -10,12 +10,7 @@ from statsmodels.stats.multitest import multipletests
 from bench.analysis.cells import cells
 from bench.analysis.direction import Effects, effects, inference, intervals, p_values
 from bench.analysis.kolmogorov_smirnov import ks_tests
-from bench.analysis.pairwise import (
-    COLUMNS,
-    effect_size,
-    holm,
-    pairwise_tests,
-)
+from bench.analysis.pairwise import COLUMNS, effect_size, holm, pairwise_tests
 
 pytestmark = pytest.mark.filterwarnings("error", "default::ResourceWarning")
 INTERVALS = ["a12_low", "a12_high", "low", "high"]

@@ -9,13 +9,7 @@ import pytest
 from scipy import stats
 
 from bench.analysis.anytime import expected_running_time
-from bench.analysis.running_time import (
-    Batch,
-    in_seconds,
-    running_times,
-    separably_fastest,
-    simulated_restarts,
-)
+from bench.analysis.running_time import Batch, in_seconds, running_times, separably_fastest, simulated_restarts
 from tests.bench.formats.made import read
 
 INF = float("inf")

@@ -4,12 +4,7 @@ import numpy as np
 import pandas as pd
 import pytest
 
-from bench.analysis.target_sets import (
-    aocc,
-    target_table,
-    targets,
-    tolerance_times,
-)
+from bench.analysis.target_sets import aocc, target_table, targets, tolerance_times
 from bench.study.targets import COCO_PRECISIONS
 from tests.bench.analysis.test_anytime import TRACES as BEGUN
 from tests.bench.analysis.test_anytime import trace

@@ -115,3 +115,9 @@ def test_python_m_bench_imports_nothing_of_the_working_folder(bench, shadows):
     (shadows / "bench.py").unlink()  # which Python itself would run in its place
     assert bench("--version", cwd=shadows).stdout.startswith("backlash-bench ")
     assert not [*shadows.glob("*.imported")]
+
+
+def test_the_script_of_a_shell_s_completion_is_printed_without_a_complaint(bench_here):
+    done = bench_here("--show-completion", "bash")
+    assert (done.returncode, done.stderr) == (0, "")
+    assert "complete -o default" in done.stdout

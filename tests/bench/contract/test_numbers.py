@@ -3,12 +3,7 @@ import math
 import pytest
 
 from bench import BenchError
-from bench.contract.numbers import (
-    is_finite,
-    require_positive,
-    require_whole,
-    seconds,
-)
+from bench.contract.numbers import is_finite, require_positive, require_whole, seconds
 
 
 @pytest.mark.parametrize("value", [-1, 6, 1.0, "1", None, True, math.nan])

@@ -3,13 +3,7 @@
 import numpy as np
 import pytest
 
-from bench.report.wording import (
-    cell_text,
-    count,
-    listing,
-    row_texts,
-    seconds,
-)
+from bench.report.wording import cell_text, count, listing, row_texts, seconds
 
 
 @pytest.mark.parametrize(

@@ -20,7 +20,7 @@ def table(tmp_path, text):
 def test_the_study_has_the_table_s_runs_budget_problems_and_optimizers(tmp_path):
     made = protocol_of(table(tmp_path, f"{HEAD}{ROWS}sphere,GWO,40,3\n"))
     study = made.study
-    assert (study.name, study.trials, study.evaluations(2)) == ("paper", 4, 40)
+    assert (study.name, study.trials, study.budget.evaluations(2)) == ("paper", 4, 40)
     assert [entry.name for entry in study.problems] == ["classical-sphere-d2-i1", "classical-ackley-d2-i1"]
     assert [(entry.name, entry.label) for entry in study.optimizers] == [
         ("random-search", "random-search"), ("gwo", "GWO"),

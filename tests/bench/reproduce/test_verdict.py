@@ -8,14 +8,7 @@ import pytest
 from scipy import stats
 
 from bench.reproduce.table import PaperCell, PaperTable, Printed
-from bench.reproduce.verdict import (
-    compare,
-    compare_counts,
-    compare_means,
-    compare_order,
-    judge,
-    sentences,
-)
+from bench.reproduce.verdict import compare, compare_counts, compare_means, compare_order, judge, sentences
 
 INTERVAL = "the 90% interval (t) of the difference of their means"
 

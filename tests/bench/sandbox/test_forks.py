@@ -7,13 +7,7 @@ from threading import Thread
 import pytest
 
 from bench.sandbox.forks import ForkServer
-from bench.sandbox.process import (
-    DiedError,
-    LostError,
-    Process,
-    RemoteError,
-    TimeExceededError,
-)
+from bench.sandbox.process import DiedError, LostError, Process, RemoteError, TimeExceededError
 from bench.sandbox.server import FORKS
 from tests.bench.sandbox.helpers import LINUX, LONG, gone, of_call, running, wait_for, written
 
