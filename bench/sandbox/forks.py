@@ -91,6 +91,8 @@ class ForkServer(AbstractContextManager["ForkServer"]):
             process.kill()
 
     def _held(self) -> Process:
+        if self._killed.is_set():  # also while its processes are still being ended
+            raise LostError("it has been ended")
         if self._process is None or self._process.closed:
             with self._lock:
                 if self._killed.is_set():
