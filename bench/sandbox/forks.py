@@ -91,14 +91,13 @@ class ForkServer(AbstractContextManager["ForkServer"]):
             process.kill()
 
     def _held(self) -> Process:
-        if self._killed.is_set():  # also while its processes are still being ended
-            raise LostError("it has been ended")
-        if self._process is None or self._process.closed:
-            with self._lock:
-                if self._killed.is_set():
-                    raise LostError("it has been ended")
-                self._process = process = Process(self._hash_seed, forks=self.forks, sandbox=self._sandbox)
-                self._started[:] = [*(started for started in self._started if not started.closed), process]
-            for function, arguments, limits in self._calls:
-                process.call(function, *arguments, **limits)
-        return self._process
+        with self._lock:
+            if self._killed.is_set():  # also while its processes are still being ended
+                raise LostError("it has been ended")
+            if self._process is not None and not self._process.closed:
+                return self._process
+            self._process = process = Process(self._hash_seed, forks=self.forks, sandbox=self._sandbox)
+            self._started[:] = [*(started for started in self._started if not started.closed), process]
+        for function, arguments, limits in self._calls:
+            process.call(function, *arguments, **limits)
+        return process

@@ -66,7 +66,7 @@ class Rules:
 
     @property
     def deciding(self) -> JsonObject:
-        """Those of them that decide a trial's result."""
+        """The unusual rules that decide a trial's result."""
         return {key: value for key, value in self.unusual.items() if key not in ("parallel", "journal")}
 
     def goal(self, problem: Problem) -> float:

@@ -284,7 +284,7 @@ class Study:
     def identity(self) -> str:
         """Return a hash of all settings that decide a trial's result, so without the number of trials and the title.
 
-        Targets and subject decide none, and of the rules those are a part of it that are not the default ones.
+        Targets and subject decide none; of the rules, those are a part of it that decide and are not the default ones.
         """
         content = dataclasses.asdict(self) | {"trials": None, "title": None, "budget": self.budget.plain}
         left_out = {"rules", "targets", "subject"}
